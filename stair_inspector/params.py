@@ -1,0 +1,322 @@
+"""Every setting, once: its range, unit, symbol and help. Flags, sliders, presets and checks all come from here.
+
+Imports nothing heavy, so that ``stair-inspector --help`` answers at once.
+"""
+
+import dataclasses
+import math
+import typing
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+
+from typing_extensions import Doc
+
+from stair_inspector.errors import ConfigError
+
+Method = Literal["survey", "paper"]
+AxesRule = Literal["auto", "global", "per_step"]
+Unit = Literal["auto", "m", "cm", "mm", "in", "ft"]
+NormalsSource = Literal["estimate", "given"]
+
+METRES_PER_UNIT: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+"""Exact length of each unit, metres (international inch and foot)."""
+
+NAMED_UP: dict[str, tuple[float, float, float]] = {
+    "x": (1.0, 0.0, 0.0),
+    "y": (0.0, 1.0, 0.0),
+    "z": (0.0, 0.0, 1.0),
+    "-x": (-1.0, 0.0, 0.0),
+    "-y": (0.0, -1.0, 0.0),
+    "-z": (0.0, 0.0, -1.0),
+}
+"""Up vectors that have a name, in the scan's frame."""
+
+
+@dataclass(frozen=True, slots=True)
+class Knob:
+    """Range and presentation of one numeric setting.
+
+    ``low`` and ``high`` are inclusive and in the setting's own unit; ``per_display`` converts that unit into
+    ``display_unit`` for people (an ``eps_m`` of 0.02 is shown as 20 mm).
+    """
+
+    low: float
+    high: float
+    step: float
+    label: str
+    symbol: str = ""
+    display_unit: str = ""
+    per_display: float = 1.0
+
+    def shown(self, value: float) -> float:
+        """Return ``value`` in the display unit."""
+        return round(value * self.per_display, 9)
+
+    def stored(self, shown: float) -> float:
+        """Return a displayed value in the setting's own unit."""
+        return round(shown / self.per_display, 12)
+
+
+@dataclass(frozen=True)
+class Group:
+    """A group of settings that checks its own types and ranges when it is made."""
+
+    def __post_init__(self) -> None:
+        for name, (kind, knob) in fields_of(type(self)).items():
+            check_value(f"{title_of(type(self))}.{name}", getattr(self, name), kind, knob)
+
+
+@dataclass(frozen=True)
+class NormalsParams(Group):
+    """Surface normals."""
+
+    k: Annotated[
+        int,
+        Knob(5, 500, 1, "neighbours", symbol="k"),
+        Doc("Neighbours for a normal (5 to 500). More smooths noise and rounds edges."),
+    ] = 30
+    source: Annotated[
+        NormalsSource,
+        Doc("'estimate' computes normals as the paper does; 'given' takes those stored in the scan."),
+    ] = "estimate"
+
+
+@dataclass(frozen=True)
+class FloorParams(Group):
+    """RANSAC floor plane; used only when the up vector is 'auto'."""
+
+    distance_m: Annotated[
+        float,
+        Knob(0.001, 0.1, 0.001, "floor tolerance", display_unit="mm", per_display=1000.0),
+        Doc("Distance within which a point belongs to the floor plane, metres (0.001 to 0.1)."),
+    ] = 0.01
+
+
+@dataclass(frozen=True)
+class HorizontalParams(Group):
+    """Which points lie on a horizontal surface."""
+
+    theta_deg: Annotated[
+        float,
+        Knob(1.0, 60.0, 0.5, "normal tolerance", symbol="theta_th", display_unit="deg"),
+        Doc("theta_th: largest angle between a normal and the up vector, degrees (1 to 60)."),
+    ] = 15.0
+
+
+@dataclass(frozen=True)
+class LevelsParams(Group):
+    """One-dimensional DBSCAN on height."""
+
+    eps_m: Annotated[
+        float,
+        Knob(0.001, 0.2, 0.001, "vertical reach", symbol="eps_z", display_unit="mm", per_display=1000.0),
+        Doc(
+            "eps_z: vertical reach of DBSCAN, metres (0.001 to 0.2). Smaller than half a riser, larger than the noise."
+        ),
+    ] = 0.02
+    min_points: Annotated[
+        int,
+        Knob(1, 5000, 1, "points in reach", symbol="m"),
+        Doc("m: smallest neighbourhood of a core point, the point itself included (1 to 5000)."),
+    ] = 50
+
+
+@dataclass(frozen=True)
+class AxesParams(Group):
+    """Width and depth directions."""
+
+    rule: Annotated[
+        AxesRule,
+        Doc(
+            "PCA of all step points together ('global'), of each step centred ('per_step'), or 'auto': per_step, "
+            "checked against the direction in which the steps rise; with --method paper 'auto' means 'global'."
+        ),
+    ] = "auto"
+
+
+@dataclass(frozen=True)
+class EdgesParams(Group):
+    """Percentiles that place the edges."""
+
+    front_percentile: Annotated[
+        float,
+        Knob(51.0, 100.0, 0.5, "front edge", symbol="alpha_f", display_unit="%"),
+        Doc("alpha_f: percentile of depth that is the front edge (51 to 100)."),
+    ] = 95.0
+    back_percentile: Annotated[
+        float,
+        Knob(0.0, 49.0, 0.5, "back edge", symbol="alpha_b", display_unit="%"),
+        Doc("alpha_b: percentile of depth that is the back edge (0 to 49)."),
+    ] = 5.0
+    side_percentile: Annotated[
+        float,
+        Knob(51.0, 100.0, 0.5, "side edges", display_unit="%"),
+        Doc("Percentile of width that is one side edge; the other is its complement (51 to 100)."),
+    ] = 99.0
+
+
+@dataclass(frozen=True)
+class DisplayParams(Group):
+    """What is kept to be looked at."""
+
+    nearest_k: Annotated[
+        int,
+        Knob(0, 1000, 1, "points at a centre", symbol="K"),
+        Doc("K: points kept around each step's centre for display (0 to 1000)."),
+    ] = 50
+
+
+@dataclass(frozen=True)
+class Params:
+    """All settings of one inspection, grouped by the stage that reads them."""
+
+    method: Annotated[
+        Method,
+        Doc("'paper' is the published method and nothing else; 'survey' is the measurement for real stairs."),
+    ] = "survey"
+    up: Annotated[
+        str,
+        Doc('Up direction in the scan\'s frame: auto (RANSAC floor), x, y, z, -x, -y, -z, or three numbers "0.1,0,1".'),
+    ] = "auto"
+    unit: Annotated[Unit, Doc("Unit of the scan's coordinates; 'auto' guesses from the size and says so.")] = "auto"
+    normals: NormalsParams = field(default_factory=NormalsParams)
+    floor: FloorParams = field(default_factory=FloorParams)
+    horizontal: HorizontalParams = field(default_factory=HorizontalParams)
+    levels: LevelsParams = field(default_factory=LevelsParams)
+    axes: AxesParams = field(default_factory=AxesParams)
+    edges: EdgesParams = field(default_factory=EdgesParams)
+    display: DisplayParams = field(default_factory=DisplayParams)
+
+    def __post_init__(self) -> None:
+        for name, (kind, knob) in fields_of(Params).items():
+            check_value(name, getattr(self, name), kind, knob)
+        parse_up(self.up)
+
+    def replaced(self, name: str, value: object) -> "Params":
+        """Return a copy in which the setting with the dotted ``name`` (``levels.eps_m``) has another value.
+
+        Raises
+        ------
+        ConfigError
+            No such setting, wrong type, or out of range.
+        """
+        group_name, _, field_name = name.rpartition(".")
+        if not group_name:
+            if name not in fields_of(Params) or name in GROUPS:
+                raise ConfigError(f"{name}: unknown setting")
+            return dataclasses.replace(self, **{name: value})  # type: ignore[arg-type]
+        if group_name not in GROUPS or field_name not in fields_of(GROUPS[group_name]):
+            raise ConfigError(f"{name}: unknown setting")
+        group = dataclasses.replace(getattr(self, group_name), **{field_name: value})
+        return dataclasses.replace(self, **{group_name: group})
+
+
+def knob_of(name: str) -> Knob:
+    """Return the knob of the numeric setting with the dotted ``name``.
+
+    Raises
+    ------
+    ConfigError
+        There is no such setting, or it is not a number.
+    """
+    group_name, _, field_name = name.rpartition(".")
+    if group_name in GROUPS:
+        _, knob = fields_of(GROUPS[group_name]).get(field_name, (None, None))
+        if knob is not None:
+            return knob
+    raise ConfigError(f"{name}: not a numeric setting")
+
+
+def help_of(name: str) -> str:
+    """Return the sentence that explains the setting with the dotted ``name``."""
+    group_name, _, field_name = name.rpartition(".")
+    owner = GROUPS[group_name] if group_name else Params
+    annotation = get_type_hints(owner, include_extras=True)[field_name]
+    return next(extra.documentation for extra in get_args(annotation)[1:] if isinstance(extra, Doc))
+
+
+def parse_up(text: str) -> tuple[float, float, float] | None:
+    """Return the unit vector that ``text`` names, or None for ``auto``.
+
+    Raises
+    ------
+    ConfigError
+        Neither a name nor three finite numbers that are not all zero.
+
+    Examples
+    --------
+    >>> parse_up("0,3,4")
+    (0.0, 0.6, 0.8)
+    """
+    if text == "auto":
+        return None
+    if text in NAMED_UP:
+        return NAMED_UP[text]
+    try:
+        parts = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        parts = ()
+    length = math.hypot(*parts) if parts else 0.0
+    if len(parts) != 3 or not math.isfinite(length) or length == 0.0:
+        raise ConfigError(f'up: got {text!r}; give auto, x, y, z, -x, -y, -z, or three numbers such as "0.1,0,1"')
+    return (parts[0] / length, parts[1] / length, parts[2] / length)
+
+
+def check_value(name: str, value: object, kind: Any, knob: Knob | None) -> None:
+    """Check one setting against its declared type and range.
+
+    Raises
+    ------
+    ConfigError
+        With the name, what is allowed and what was given.
+    """
+    if get_origin(kind) is Literal:
+        if not isinstance(value, str) or value not in get_args(kind):
+            raise ConfigError(f"{name}: got {value!r}; give one of {', '.join(get_args(kind))}")
+    elif kind in (int, float):
+        is_number = isinstance(value, int if kind is int else (int, float)) and not isinstance(value, bool)
+        if not is_number or not math.isfinite(typing.cast(float, value)):
+            raise ConfigError(f"{name}: got {value!r}; give a {'whole ' if kind is int else ''}number")
+        if knob is not None and not knob.low <= typing.cast(float, value) <= knob.high:
+            raise ConfigError(f"{name}: got {value!r}; give a value from {knob.low:g} to {knob.high:g}")
+    elif not isinstance(value, kind):
+        raise ConfigError(f"{name}: got {value!r}; give a {kind.__name__}")
+
+
+_FIELDS: dict[type, dict[str, tuple[Any, Knob | None]]] = {}
+
+
+def fields_of(group: type) -> dict[str, tuple[Any, Knob | None]]:
+    """Return the type and knob of each field of a settings class, in order of declaration."""
+    if group in _FIELDS:
+        return _FIELDS[group]
+    hints = get_type_hints(group, include_extras=True)
+    result: dict[str, tuple[Any, Knob | None]] = {}
+    for item in dataclasses.fields(group):
+        annotation = hints[item.name]
+        extras = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()
+        kind = get_args(annotation)[0] if get_origin(annotation) is Annotated else annotation
+        result[item.name] = (kind, next((extra for extra in extras if isinstance(extra, Knob)), None))
+    # Read once per class: a slider makes new settings at every event.
+    _FIELDS[group] = result
+    return result
+
+
+def title_of(group: type) -> str:
+    """Return the name of a settings group in flags, TOML and JSON: ``LevelsParams`` is ``levels``."""
+    return group.__name__.removesuffix("Params").lower()
+
+
+GROUPS: dict[str, type[Group]] = {
+    title_of(group): group
+    for group in (
+        NormalsParams,
+        FloorParams,
+        HorizontalParams,
+        LevelsParams,
+        AxesParams,
+        EdgesParams,
+        DisplayParams,
+    )
+}
+"""The settings groups by their name in flags, TOML and JSON."""

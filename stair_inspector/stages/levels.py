@@ -1,0 +1,56 @@
+"""At which heights is there a horizontal surface?"""
+
+import math
+
+import numpy as np
+
+from stair_inspector.errors import CannotMeasure
+from stair_inspector.geometry.arrays import own
+from stair_inspector.geometry.clusters import Reach, cluster_sorted, find_reach
+from stair_inspector.model import NON_STAIR_LABEL, HeightOrder, Horizontal, Levels
+from stair_inspector.params import HorizontalParams, LevelsParams
+
+MAX_LEVELS = 500
+"""More height clusters than any staircase has treads: the settings do not fit the scan."""
+
+
+def select_horizontal(heights: HeightOrder, params: HorizontalParams) -> Horizontal:
+    """Keep the points H = { p_i : |n_i . u| >= cos(theta_th) } (step 2 of the paper), sorted by height."""
+    ids = np.flatnonzero(heights.alignment >= math.cos(math.radians(params.theta_deg)))
+    return Horizontal(
+        point_ids=own(heights.point_ids.take(ids), (None,), "point_ids", np.int64),
+        coordinates_m=own(heights.coordinates_m.take(ids, axis=1), (3, None), "coordinates_m"),
+        level_from_scan=heights.level_from_scan,
+        up=heights.up,
+        n_scan=len(heights.point_ids),
+    )
+
+
+def find_height_reach(horizontal: Horizontal, eps_m: float) -> Reach:
+    """Find every height's eps_z-neighbourhood (first half of step 3 of the paper)."""
+    return find_reach(horizontal.coordinates_m[2], eps_m)
+
+
+def find_levels(horizontal: Horizontal, reach: Reach, params: LevelsParams) -> Levels:
+    """Cluster the heights by DBSCAN(z; eps_z, m); the lowest cluster is the floor (steps 3 and 4 of the paper).
+
+    Returns
+    -------
+    Levels
+        Possibly without any cluster.
+
+    Raises
+    ------
+    CannotMeasure
+        More than 500 clusters: eps_z and m are far too small for this scan.
+    """
+    clusters = cluster_sorted(reach, params.min_points)
+    if len(clusters.start) > MAX_LEVELS:
+        raise CannotMeasure(
+            f"levels: {len(clusters.start):,} height clusters, more than {MAX_LEVELS} can be steps; "
+            "raise levels.min_points (m) or levels.eps_m (eps_z)"
+        )
+    labels = np.full(horizontal.n_scan, NON_STAIR_LABEL, dtype=np.int16)
+    for level_id, (start, stop) in enumerate(zip(clusters.start, clusters.stop, strict=True)):
+        labels[horizontal.point_ids[start:stop]] = level_id
+    return Levels(clusters.start, clusters.stop, own(labels, (horizontal.n_scan,), "labels", np.int16))

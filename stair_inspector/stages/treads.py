@@ -1,0 +1,158 @@
+"""Where does each step's surface lie, which way does it face, and where does it end?"""
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from stair_inspector.geometry.arrays import Floats, Ints, own, project
+from stair_inspector.geometry.fits import PlaneFit, fit_plane_rows, principal_axis
+from stair_inspector.geometry.percentiles import percentile_of_sorted
+from stair_inspector.model import Axes, Edges, Extents, Horizontal, Levels, NearestPoints, Note, Surfaces
+from stair_inspector.params import AxesRule, DisplayParams, EdgesParams, Method
+
+_ROUND_RATIO = 0.8
+"""Ratio of the two variances above which PCA does not know which axis is the wider."""
+_DISAGREE_DEG = 20.0
+"""Half covered treads turn the direction of rise by some degrees; more than this is PCA's mistake."""
+
+
+def fit_surfaces(horizontal: Horizontal, levels: Levels) -> Surfaces:
+    """Fit the plane pi_k of every level, the floor first (step 8 of the paper).
+
+    Returns
+    -------
+    Surfaces
+        Centroids and normals in local scan axes, n_k . u > 0.
+    """
+    upwards = np.array([0.0, 0.0, 1.0])
+    scan_from_level = horizontal.level_from_scan.T
+    planes, plan_scatter = [], []
+    for start, stop in zip(levels.start, levels.stop, strict=True):
+        fit, scatter = fit_plane_rows(horizontal.coordinates_m[:, start:stop], upwards)
+        plan_scatter.append(own(scatter[:2, :2], (2, 2), "plan_scatter"))
+        planes.append(
+            PlaneFit(
+                centroid=own(scan_from_level @ fit.centroid, (3,), "centroid"),
+                normal=None if fit.normal is None else own(scan_from_level @ fit.normal, (3,), "normal"),
+                rms_m=fit.rms_m,
+                n_points=fit.n_points,
+            )
+        )
+    return Surfaces(tuple(planes), tuple(plan_scatter))
+
+
+def find_axes(horizontal: Horizontal, surfaces: Surfaces, rule: AxesRule, method: Method) -> Axes | None:
+    """Find the width and depth directions of the staircase (steps 5, 5a and 6 of the paper).
+
+    Parameters
+    ----------
+    horizontal, surfaces
+        Of one scan.
+    rule : {"auto", "global", "per_step"}
+        ``global``: PCA of all step points together. ``per_step``: PCA of the steps' points, each step centred.
+        ``auto``: with the paper's method ``global``; else ``per_step``, unless its depth axis is more than 20 degrees
+        from the direction in which the steps rise, which is then taken.
+
+    Returns
+    -------
+    Axes or None
+        None when there is no level above the floor.
+    """
+    steps = surfaces.planes[1:]
+    if not steps:
+        return None
+    basis = horizontal.level_from_scan[:2]
+    climb, climb_note = _find_climb(surfaces, horizontal.level_from_scan)
+    scatter = np.sum(surfaces.plan_scatter[1:], axis=0)
+    pooled: Literal["global", "per_step"] = "per_step"
+    if rule == "global" or (rule == "auto" and method == "paper"):
+        # The scatter about the common mean is that about each mean plus that of the means.
+        pooled = "global"
+        counts = np.array([plane.n_points for plane in steps], dtype=np.float64)
+        means = np.array([basis @ plane.centroid for plane in steps])
+        shift = means - counts @ means / counts.sum()
+        scatter = scatter + (shift * counts[:, None]).T @ shift
+    width, ratio = principal_axis(scatter)
+    depth = np.array([-width[1], width[0]])
+    notes = [] if climb_note is None else [climb_note]
+    decided: Literal["global", "per_step", "rise"] = pooled
+    if rule == "auto" and method != "paper" and climb is not None:
+        angle_deg = math.degrees(math.acos(min(1.0, abs(float(depth @ climb)))))
+        if angle_deg > _DISAGREE_DEG:
+            decided, depth = "rise", -climb
+        message = (
+            f"axes by the rule '{decided}': PCA of the centred steps is {angle_deg:.0f}° from the direction of rise"
+        )
+        notes.append(Note("axes_rule", "treads", message))
+    if decided != "rise" and ratio > _ROUND_RATIO:
+        message = (
+            f"the step points spread almost equally in both directions (variance ratio {ratio:.2f}): "
+            "width and depth may be exchanged; try another axes rule"
+        )
+        notes.append(Note("axes_uncertain", "treads", message))
+    if climb is not None and depth @ climb > 0.0:
+        depth = -depth
+    # w = u x (climbing direction); the climbing direction is -d, and u x turns the plan by a quarter to the left.
+    width = np.array([depth[1], -depth[0]])
+    return Axes(own(width @ basis, (3,), "width"), own(depth @ basis, (3,), "depth"), decided, tuple(notes))
+
+
+def find_extents(horizontal: Horizontal, levels: Levels, axes: Axes) -> Extents:
+    """Project every step's points on the axes and sort: d_k and w_k (step 7 of the paper), metres, local."""
+    plan = horizontal.level_from_scan[:2]
+    depth, width = [], []
+    for start, stop in zip(levels.start[1:], levels.stop[1:], strict=True):
+        rows = horizontal.coordinates_m[:2, start:stop]
+        depth.append(own(np.sort(project(rows, plan @ axes.depth)), (None,), "depth_m"))
+        width.append(own(np.sort(project(rows, plan @ axes.width)), (None,), "width_m"))
+    return Extents(tuple(depth), tuple(width))
+
+
+def place_edges(extents: Extents, params: EdgesParams) -> Edges:
+    """Place front, back and side edges at percentiles (step 7 of the paper).
+
+    Returns
+    -------
+    Edges
+        f_k = perc_alpha_f(d_k), b_k = perc_alpha_b(d_k); ``high_w`` and ``low_w`` the side percentile of w_k and its
+        complement; metres, local, one per step.
+    """
+    return Edges(
+        front=_percentiles(extents.depth_m, params.front_percentile),
+        back=_percentiles(extents.depth_m, params.back_percentile),
+        high_w=_percentiles(extents.width_m, params.side_percentile),
+        low_w=_percentiles(extents.width_m, 100.0 - params.side_percentile),
+    )
+
+
+def find_nearest(horizontal: Horizontal, levels: Levels, surfaces: Surfaces, params: DisplayParams) -> NearestPoints:
+    """Find the K points of each step nearest to its centroid, nearest first (step 10 of the paper)."""
+    nearest: list[Ints] = []
+    for start, stop, plane in zip(levels.start[1:], levels.stop[1:], surfaces.planes[1:], strict=True):
+        rows = horizontal.coordinates_m[:, start:stop]
+        k = min(params.nearest_k, stop - start)
+        offset = rows - (horizontal.level_from_scan @ plane.centroid)[:, None]
+        distance = np.einsum("ij,ij->j", offset, offset)
+        few = np.argpartition(distance, k - 1)[:k] if 0 < k < len(distance) else np.arange(k)
+        few = few[np.argsort(distance[few], kind="stable")]
+        nearest.append(own(horizontal.point_ids[start:stop][few], (k,), "nearest_ids", np.int64))
+    return NearestPoints(tuple(nearest))
+
+
+def _percentiles(coordinates: tuple[Floats, ...], percent: float) -> tuple[float, ...]:
+    return tuple(percentile_of_sorted(values, percent) for values in coordinates)
+
+
+def _find_climb(surfaces: Surfaces, level_from_scan: Floats) -> tuple[Floats | None, Note | None]:
+    """Return the plan direction in which the centroids move as they rise: the regression of place on height."""
+    # A single step has no neighbour above or below but the floor.
+    planes = surfaces.planes[1:] if len(surfaces.planes) > 2 else surfaces.planes
+    centroids = np.array([level_from_scan @ plane.centroid for plane in planes])
+    shift = centroids - centroids.mean(axis=0)
+    climb = shift[:, 2] @ shift[:, :2]
+    length = float(np.linalg.norm(climb))
+    if length == 0.0:
+        message = "the levels lie straight above each other: which side is the front is not known"
+        return None, Note("climb_unknown", "treads", message)
+    return climb / length, None
