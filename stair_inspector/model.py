@@ -213,13 +213,28 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """One height cluster and what it was taken for; ``height_m`` is its mean height in the scan frame."""
+    """One height cluster and what it was taken for.
+
+    ``height_m`` is its mean height, ``low_m`` and ``high_m`` the heights of its lowest and highest point, all in the
+    scan frame.
+    """
 
     level_id: int
     height_m: float
+    low_m: float
+    high_m: float
     n_points: int
     kind: Literal["floor", "tread", "landing", "rejected"]
     reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeightProfile:
+    """How many upright points lie at which height: ``counts`` (b,) in bins of ``bin_m`` from ``low_m``, scan frame."""
+
+    low_m: float
+    bin_m: float
+    counts: Ints
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,6 +265,7 @@ class Inspection:
     steps: tuple[Step, ...]
     floor: PlaneFit | None
     floor_h_m: float | None
+    profile: HeightProfile
     labels: Labels
     notes: tuple[Note, ...] = ()
     timings_s: dict[str, float] = field(default_factory=dict)

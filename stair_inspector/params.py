@@ -72,8 +72,8 @@ class NormalsParams(Group):
 
     k: Annotated[
         int,
-        Knob(5, 500, 1, "neighbours", symbol="k"),
-        Doc("Neighbours for a normal (5 to 500). More smooths noise and rounds edges."),
+        Knob(5, 300, 1, "neighbours", symbol="k"),
+        Doc("Neighbours for a normal (5 to 300). More smooths noise and rounds edges."),
     ] = 30
     source: Annotated[
         NormalsSource,
@@ -98,7 +98,7 @@ class HorizontalParams(Group):
 
     theta_deg: Annotated[
         float,
-        Knob(1.0, 60.0, 0.5, "normal tolerance", symbol="theta_th", display_unit="deg"),
+        Knob(1.0, 60.0, 0.5, "normal tolerance", symbol="θ_th", display_unit="°"),
         Doc("theta_th: largest angle between a normal and the up vector, degrees (1 to 60)."),
     ] = 15.0
 
@@ -109,15 +109,15 @@ class LevelsParams(Group):
 
     eps_m: Annotated[
         float,
-        Knob(0.001, 0.2, 0.001, "vertical reach", symbol="eps_z", display_unit="mm", per_display=1000.0),
+        Knob(0.001, 0.1, 0.001, "vertical reach", symbol="ε_z", display_unit="mm", per_display=1000.0),
         Doc(
-            "eps_z: vertical reach of DBSCAN, metres (0.001 to 0.2). Smaller than half a riser, larger than the noise."
+            "eps_z: vertical reach of DBSCAN, metres (0.001 to 0.1). Smaller than half a riser, larger than the noise."
         ),
     ] = 0.02
     min_points: Annotated[
         int,
-        Knob(1, 5000, 1, "points in reach", symbol="m"),
-        Doc("m: smallest neighbourhood of a core point, the point itself included (1 to 5000)."),
+        Knob(1, 2000, 1, "points in reach", symbol="m"),
+        Doc("m: smallest neighbourhood of a core point, the point itself included (1 to 2000)."),
     ] = 50
 
 
@@ -140,12 +140,12 @@ class EdgesParams(Group):
 
     front_percentile: Annotated[
         float,
-        Knob(51.0, 100.0, 0.5, "front edge", symbol="alpha_f", display_unit="%"),
+        Knob(51.0, 100.0, 0.5, "front edge", symbol="α_f", display_unit="%"),
         Doc("alpha_f: percentile of depth that is the front edge (51 to 100)."),
     ] = 95.0
     back_percentile: Annotated[
         float,
-        Knob(0.0, 49.0, 0.5, "back edge", symbol="alpha_b", display_unit="%"),
+        Knob(0.0, 49.0, 0.5, "back edge", symbol="α_b", display_unit="%"),
         Doc("alpha_b: percentile of depth that is the back edge (0 to 49)."),
     ] = 5.0
     side_percentile: Annotated[

@@ -86,4 +86,5 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
         edges = memo.run("edges", treads.place_edges, extents, params.edges)
         nearest = memo.run("nearest", treads.find_nearest, horizontal, levels, surfaces, params.display)
         steps = memo.run("paper", paper.measure_steps, scan, up, surfaces, axes, edges, nearest)
-    return conclude(scan, params, up, axes, levels, surfaces, steps, dict(memo.timings_s))
+    profile = memo.run("profile", find.profile_heights, horizontal)
+    return conclude(scan, params, up, axes, horizontal, levels, profile, surfaces, steps, dict(memo.timings_s))

@@ -7,11 +7,13 @@ import numpy as np
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.geometry.arrays import own
 from stair_inspector.geometry.clusters import Reach, cluster_sorted, find_reach
-from stair_inspector.model import NON_STAIR_LABEL, HeightOrder, Horizontal, Levels
+from stair_inspector.model import NON_STAIR_LABEL, HeightOrder, HeightProfile, Horizontal, Levels
 from stair_inspector.params import HorizontalParams, LevelsParams
 
 MAX_LEVELS = 500
 """More height clusters than any staircase has treads: the settings do not fit the scan."""
+PROFILE_BIN_M = 0.002
+_MAX_BINS = 5000
 
 
 def select_horizontal(heights: HeightOrder, params: HorizontalParams) -> Horizontal:
@@ -54,3 +56,21 @@ def find_levels(horizontal: Horizontal, reach: Reach, params: LevelsParams) -> L
     for level_id, (start, stop) in enumerate(zip(clusters.start, clusters.stop, strict=True)):
         labels[horizontal.point_ids[start:stop]] = level_id
     return Levels(clusters.start, clusters.stop, own(labels, (horizontal.n_scan,), "labels", np.int16))
+
+
+def profile_heights(horizontal: Horizontal, bin_m: float = PROFILE_BIN_M) -> HeightProfile:
+    """Count the upright points in bins of height; what one looks at to choose eps_z.
+
+    Notes
+    -----
+    Heights are local. More than 5000 bins are made wider, so that a scan of a tower stays drawable.
+    """
+    heights = horizontal.coordinates_m[2]
+    if len(heights) == 0:
+        return HeightProfile(0.0, bin_m, own(np.zeros(0), (0,), "counts", np.int64))
+    low, high = float(heights[0]), float(heights[-1])
+    bin_m = max(bin_m, (high - low) / _MAX_BINS)
+    n_bins = int((high - low) / bin_m) + 1
+    edges = low + bin_m * np.arange(1, n_bins)
+    ends = np.concatenate([[0], np.searchsorted(heights, edges), [len(heights)]])
+    return HeightProfile(low, bin_m, own(np.diff(ends), (n_bins,), "counts", np.int64))

@@ -6,6 +6,8 @@ import math
 
 from stair_inspector.model import (
     Axes,
+    HeightProfile,
+    Horizontal,
     Inspection,
     Level,
     Levels,
@@ -34,7 +36,9 @@ def conclude(
     params: Params,
     up: Up,
     axes: Axes | None,
+    horizontal: Horizontal,
     levels: Levels,
+    profile: HeightProfile,
     surfaces: Surfaces,
     steps: tuple[Step, ...],
     timings_s: dict[str, float],
@@ -45,15 +49,18 @@ def conclude(
     of a scan without a staircase are empty and the levels are rejected with the reason.
     """
     planes = surfaces.planes
+    heights = horizontal.coordinates_m[2]
     origin_z = float(scan.origin_m @ up.vector)
     found = tuple(
         Level(
             level_id=level_id,
             height_m=float(plane.centroid @ up.vector) + origin_z,
+            low_m=float(heights[start]) + origin_z,
+            high_m=float(heights[stop - 1]) + origin_z,
             n_points=plane.n_points,
             kind="floor" if level_id == 0 else "tread",
         )
-        for level_id, plane in enumerate(planes)
+        for level_id, (plane, start, stop) in enumerate(zip(planes, levels.start, levels.stop, strict=True))
     )
     notes = [*scan.notes, *up.notes, *(axes.notes if axes is not None else ())]
     reason = why_no_staircase(surfaces, up)
@@ -83,6 +90,7 @@ def conclude(
         steps=steps,
         floor=planes[0] if planes else None,
         floor_h_m=measure_h(planes[0], planes[1], up) if len(planes) > 1 else None,
+        profile=dataclasses.replace(profile, low_m=profile.low_m + origin_z),
         labels=levels.labels,
         notes=tuple(notes),
         timings_s=timings_s,

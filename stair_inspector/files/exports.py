@@ -1,0 +1,239 @@
+"""An inspection as JSON, CSV and a coloured debug PLY."""
+
+import csv
+import dataclasses
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stair_inspector import __version__
+from stair_inspector.files.atomic import write_atomically
+from stair_inspector.files.palettes import Palette, read_palette
+from stair_inspector.files.ply import ply_bytes
+from stair_inspector.files.settings import params_to_dict
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.model import Inspection, Measured, Scan, Step
+
+SCHEMA = "stair-inspector/inspection-1"
+_EDGE_SPACING_M = 0.002
+"""Distance of the points that draw an edge in the debug PLY."""
+_SURVEY_FIELDS = (
+    "rise_m",
+    "going_m",
+    "tread_depth_m",
+    "width_m",
+    "nosing_overhang_m",
+    "pitch_deg",
+    "fall_deg",
+    "cross_fall_deg",
+)
+
+
+def write_inspection(scan: Scan, inspection: Inspection, folder: Path, stem: str) -> list[Path]:
+    """Write ``STEM.json``, ``STEM.csv`` and ``STEM_debug.ply`` into a folder, each completely or not at all.
+
+    Raises
+    ------
+    WriteError
+        The folder cannot be written; files that existed are untouched.
+    """
+    contents = {
+        folder / f"{stem}.json": json_bytes(inspection),
+        folder / f"{stem}.csv": csv_bytes(inspection),
+        folder / f"{stem}_debug.ply": debug_ply_bytes(scan, inspection),
+    }
+    for path, data in contents.items():
+        write_atomically(path, data)
+    return list(contents)
+
+
+def json_bytes(inspection: Inspection) -> bytes:
+    """Return the inspection as JSON, schema ``stair-inspector/inspection-1``: SI, positions in the scan frame."""
+    text = json.dumps(inspection_to_dict(inspection), indent=1, ensure_ascii=False, allow_nan=False)
+    # A lone surrogate, as in a file name that is no UTF-8, cannot be encoded: it is written as an escape.
+    return (text + "\n").encode("utf-8", errors="backslashreplace")
+
+
+def inspection_to_dict(inspection: Inspection) -> dict[str, Any]:
+    """Return the inspection as the plain values of its JSON."""
+    origin = np.array(inspection.scan.origin_m)
+    scan = inspection.scan
+    axes = inspection.axes
+    floor = inspection.floor
+    return {
+        "schema": SCHEMA,
+        "software": {"name": "stair_inspector", "version": __version__},
+        "scan": {
+            "file": scan.name,
+            "sha256": scan.sha256,
+            "n_points": scan.n_points,
+            "n_used": scan.n_used,
+            "unit": scan.unit,
+            "origin_m": list(scan.origin_m),
+        },
+        "settings": params_to_dict(inspection.params),
+        "up": {"vector": inspection.up.vector.tolist(), "source": inspection.up.source, "u_deg": inspection.up.u_deg},
+        "axes": None
+        if axes is None
+        else {"rule": axes.rule, "width": axes.width.tolist(), "depth": axes.depth.tolist()},
+        "levels": [
+            {
+                "id": level.level_id,
+                "height_m": level.height_m,
+                "n_points": level.n_points,
+                "kind": level.kind,
+                "reason": level.reason,
+            }
+            for level in inspection.levels
+        ],
+        "floor": None
+        if floor is None
+        else {
+            "n_points": floor.n_points,
+            "centroid_m": (floor.centroid + origin).tolist(),
+            "normal": None if floor.normal is None else floor.normal.tolist(),
+            "rms_m": floor.rms_m,
+            "h_m": inspection.floor_h_m,
+        },
+        "flights": [],
+        "steps": [_step_to_dict(step, origin) for step in inspection.steps],
+        "notes": [
+            {"code": note.code, "stage": note.stage, "step": note.step, "message": note.message}
+            for note in inspection.notes
+        ],
+        "timings_s": dict(inspection.timings_s),
+    }
+
+
+def csv_bytes(inspection: Inspection) -> bytes:
+    """Return one row per step, lengths in millimetres and angles in degrees, the unit in each column's name."""
+    rows = [_step_to_row(step) for step in inspection.steps]
+    stream = io.StringIO(newline="")
+    writer = csv.DictWriter(stream, CSV_COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return stream.getvalue().encode("utf-8")
+
+
+def debug_ply_bytes(scan: Scan, inspection: Inspection, palette: Palette | None = None) -> bytes:
+    """Return the scan in the paper's colours, with its edges drawn as rows of extra points (step 11 of the paper).
+
+    Parameters
+    ----------
+    scan, inspection
+        The same scan that was inspected.
+    palette : Palette, optional
+        By default the paper's: floor gray, non-stair black, steps in turn red, orange, yellow, green, blue, indigo,
+        violet; front edge pink, back edge black, side edges gray, the K points nearest to each centre black.
+
+    Returns
+    -------
+    bytes
+        Binary PLY, float64 coordinates in metres in the scan frame; the scan's used points first, then the edges.
+    """
+    palette = palette or read_palette("paper")
+    # Rejected levels have no step: they are drawn as what they are, not part of a stair.
+    n_steps = len(inspection.steps)
+    labels = np.where(inspection.labels > n_steps, -1, inspection.labels).astype(np.int16)
+    colors = palette.of_labels(labels)
+    extra_points: list[Floats] = []
+    extra_colors = []
+    for step in inspection.steps:
+        colors[step.nearest_ids] = palette.centre
+        front_left, front_right, back_right, back_left = step.corners
+        for start, stop, color in (
+            (front_left, front_right, palette.front_edge),
+            (back_left, back_right, palette.back_edge),
+            (front_left, back_left, palette.side_edge),
+            (front_right, back_right, palette.side_edge),
+        ):
+            row = _points_along(start, stop)
+            extra_points.append(row)
+            extra_colors.append(np.tile(np.array(color, dtype=np.uint8), (len(row), 1)))
+    points = np.vstack([scan.points, *extra_points]) + scan.origin_m
+    return ply_bytes(points, np.vstack([colors, *extra_colors]))
+
+
+def _points_along(start: Floats, stop: Floats) -> Floats:
+    count = max(2, int(np.ceil(np.linalg.norm(stop - start) / _EDGE_SPACING_M)) + 1)
+    points: Floats = start + np.linspace(0.0, 1.0, count)[:, None] * (stop - start)
+    return points
+
+
+def _step_to_dict(step: Step, origin: Floats) -> dict[str, Any]:
+    return {
+        "id": step.step_id,
+        "flight": step.flight,
+        "kind": step.kind,
+        "n_points": step.plane.n_points,
+        "centroid_m": (step.plane.centroid + origin).tolist(),
+        "normal": None if step.plane.normal is None else step.plane.normal.tolist(),
+        "rms_m": step.plane.rms_m,
+        "paper": dataclasses.asdict(step.paper),
+        **{name: _measured_to_dict(getattr(step, name)) for name in _SURVEY_FIELDS},
+        "coverage": step.coverage,
+        "rise_lcr_m": None,
+        "going_lcr_m": None,
+        "nosing_m": None,
+    }
+
+
+def _measured_to_dict(measured: Measured | None) -> dict[str, float] | None:
+    return None if measured is None else {"value": measured.value, "u": measured.u}
+
+
+def _step_to_row(step: Step) -> dict[str, Any]:
+    row: dict[str, Any] = {
+        "step": step.step_id,
+        "flight": step.flight,
+        "kind": step.kind,
+        "n_points": step.plane.n_points,
+        "rms_mm": _millimetres(step.plane.rms_m),
+    }
+    for name, value in dataclasses.asdict(step.paper).items():
+        row |= _in_table_unit(f"paper_{name}", value)
+    for name in _SURVEY_FIELDS:
+        measured = getattr(step, name)
+        row |= _in_table_unit(name, None if measured is None else measured.value)
+        stem, unit = name.rsplit("_", 1)
+        row |= _in_table_unit(f"{stem}_u_{unit}", None if measured is None else measured.u)
+    row["coverage"] = step.coverage
+    return row
+
+
+def _in_table_unit(name: str, value: float | None) -> dict[str, float | None]:
+    """Return the value under its name, lengths turned from metres to millimetres."""
+    if name.endswith("_m"):
+        return {name.removesuffix("_m") + "_mm": _millimetres(value)}
+    return {name: value}
+
+
+def _millimetres(value_m: float | None) -> float | None:
+    # Nanometres are enough, and keep 0.1 m from becoming 100.00000000000001 mm.
+    return None if value_m is None else round(value_m * 1000.0, 6)
+
+
+def _columns() -> list[str]:
+    """Return the CSV's columns in order, also for an inspection without steps."""
+    names = ["step", "flight", "kind", "n_points", "rms_mm"]
+    names += [
+        "paper_h_mm",
+        "paper_d_fb_mm",
+        "paper_d_ff_mm",
+        "paper_w_mm",
+        "paper_theta_deg",
+        "paper_f_mm",
+        "paper_b_mm",
+    ]
+    for name in _SURVEY_FIELDS:
+        stem, unit = name.rsplit("_", 1)
+        unit = "mm" if unit == "m" else unit
+        names += [f"{stem}_{unit}", f"{stem}_u_{unit}"]
+    return [*names, "coverage"]
+
+
+CSV_COLUMNS = _columns()
+"""Names of the CSV's columns, in order."""

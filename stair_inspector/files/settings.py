@@ -1,0 +1,105 @@
+"""Settings as TOML and as JSON, and the presets that come with the program."""
+
+import dataclasses
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.files.paths import static_configs
+from stair_inspector.files.toml import check_keys, read_toml
+from stair_inspector.params import GROUPS, Params, fields_of
+
+DEFAULT_PRESET = "default"
+_OWN_KEYS = ("title", "description")
+
+
+@dataclass(frozen=True, slots=True)
+class Preset:
+    """A named set of settings with a sentence that says when to take it."""
+
+    name: str
+    title: str
+    description: str
+    params: Params
+
+
+def params_to_dict(params: Params) -> dict[str, Any]:
+    """Return every setting, grouped by stage, as plain values."""
+    return dataclasses.asdict(params)
+
+
+def params_from_dict(values: dict[str, Any], place: str) -> Params:
+    """Build settings from a table such as TOML gives; what is not named keeps its default.
+
+    Parameters
+    ----------
+    values : dict
+        Settings by name, and one table per group.
+    place : str
+        File name for the messages.
+
+    Raises
+    ------
+    ConfigError
+        Unknown group or key (the nearest known name is given), wrong type, or out of range.
+    """
+    check_keys(place, values, fields_of(Params))
+    chosen: dict[str, Any] = {}
+    try:
+        for name, value in values.items():
+            if name not in GROUPS:
+                chosen[name] = value
+                continue
+            if not isinstance(value, dict):
+                raise ConfigError(f"{name}: got {value!r}; give a table [{name}]")
+            check_keys(f"{place}: [{name}]", value, fields_of(GROUPS[name]))
+            chosen[name] = GROUPS[name](**value)
+        return Params(**chosen)
+    except ConfigError as error:
+        text = str(error)
+        raise ConfigError(text if text.startswith(place) else f"{place}: {text}") from error
+
+
+def read_preset(path: Path) -> Preset:
+    """Read a preset file.
+
+    Raises
+    ------
+    ConfigError
+        As :func:`params_from_dict`, and for a file that is no TOML.
+    """
+    values = read_toml(path)
+    texts = {}
+    for key in _OWN_KEYS:
+        text = values.pop(key, "")
+        if not isinstance(text, str):
+            raise ConfigError(f"{path}: {key}: got {text!r}; give a text in quotes")
+        texts[key] = text
+    # A misspelt title must not be reported as a misspelt setting.
+    check_keys(str(path), values, [*fields_of(Params), *_OWN_KEYS])
+    return Preset(path.stem, texts["title"] or path.stem, texts["description"], params_from_dict(values, str(path)))
+
+
+def list_presets() -> list[Preset]:
+    """Return the presets that come with the program, the default first, then by name."""
+    files = sorted(
+        (static_configs() / "presets").glob("*.toml"), key=lambda path: (path.stem != DEFAULT_PRESET, path.stem)
+    )
+    return [read_preset(path) for path in files]
+
+
+def find_preset(name_or_file: str) -> Preset:
+    """Return the preset with this name, or the one in this TOML file.
+
+    Raises
+    ------
+    ConfigError
+        Neither a known name nor a readable file; the known names are listed.
+    """
+    if name_or_file.endswith(".toml"):
+        return read_preset(Path(name_or_file))
+    known = {path.stem: path for path in (static_configs() / "presets").glob("*.toml")}
+    if name_or_file not in known:
+        check_keys("--preset", [name_or_file], known, what="preset")
+    return read_preset(known[name_or_file])

@@ -1,0 +1,41 @@
+"""TOML files, read so that every error names the file and the key."""
+
+import difflib
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from stair_inspector.errors import ConfigError
+
+_MAX_BYTES = 1_000_000
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Read a TOML file.
+
+    Raises
+    ------
+    ConfigError
+        Missing, unreadable, larger than 1 MB, not UTF-8 or not TOML.
+    """
+    try:
+        if path.stat().st_size > _MAX_BYTES:
+            raise ConfigError(f"{path}: larger than {_MAX_BYTES // 1_000_000} MB, which no settings file is")
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror}); check the name") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not a text file; give a TOML file") from error
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{path}: is not valid TOML ({error}); mend that place") from error
+
+
+def check_keys(place: str, keys: Iterable[str], known: Iterable[str], what: str = "key") -> None:
+    """Raise ConfigError for the first key that is not known, naming the nearest known one."""
+    known = list(known)
+    for key in keys:
+        if key not in known:
+            near = difflib.get_close_matches(key, known, n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(sorted(known))}"
+            raise ConfigError(f"{place}: unknown {what} {key[:60]!r}; {hint}")

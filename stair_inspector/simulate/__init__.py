@@ -1,0 +1,1 @@
+"""Staircases of known geometry, and a simulated scanner."""

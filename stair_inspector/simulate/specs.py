@@ -1,0 +1,401 @@
+"""What can be asked of the simulator: the staircase, the scanner, and scanners that exist. Imports nothing heavy.
+
+Steps are counted from the bottom: step k is the level that is reached over riser k, so ``n_risers`` risers make the
+treads 1 to ``n_risers - 1`` and the upper landing ``n_risers``; level 0 is the floor.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from typing_extensions import Doc
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.params import Group, Knob
+
+Sides = Literal["none", "left", "right", "both"]
+
+SLAB_M = 0.04
+"""Thickness of a tread's slab, metres: the height of the nosing's upright face."""
+
+_SMALLEST_RISE_M = 0.06
+_SMALLEST_GOING_M = 0.1
+
+
+@dataclass(frozen=True)
+class Stair(Group):
+    """A straight staircase and what stands around it."""
+
+    n_risers: Annotated[
+        int, Knob(1, 60, 1, "risers"), Doc("Risers (1 to 60); the last one leads onto the upper landing.")
+    ] = 10
+    rise_m: Annotated[
+        float,
+        Knob(_SMALLEST_RISE_M, 0.4, 0.001, "rise", display_unit="mm", per_display=1000.0),
+        Doc("Rise: vertical, nosing to nosing, metres (0.06 to 0.4)."),
+    ] = 0.17
+    going_m: Annotated[
+        float,
+        Knob(_SMALLEST_GOING_M, 1.5, 0.001, "going", display_unit="mm", per_display=1000.0),
+        Doc("Going: horizontal, nosing to nosing, metres (0.1 to 1.5)."),
+    ] = 0.28
+    width_m: Annotated[
+        float,
+        Knob(0.3, 6.0, 0.01, "width", display_unit="mm", per_display=1000.0),
+        Doc("Width between the side edges of the treads, metres (0.3 to 6)."),
+    ] = 1.2
+    overhang_m: Annotated[
+        float,
+        Knob(0.0, 0.08, 0.001, "nosing overhang", display_unit="mm", per_display=1000.0),
+        Doc("How far a nosing projects past the riser below it, metres (0 to 0.08)."),
+    ] = 0.025
+    open_risers: Annotated[bool, Doc("Leave the risers out, so that one sees through between the treads.")] = False
+    landing_after: Annotated[
+        int,
+        Knob(0, 59, 1, "landing at step"),
+        Doc("Step that is an intermediate landing, counted in risers from the floor (below n_risers); 0 for none."),
+    ] = 0
+    landing_depth_m: Annotated[
+        float,
+        Knob(0.5, 5.0, 0.01, "landing depth", display_unit="mm", per_display=1000.0),
+        Doc("Intermediate landing, from its nosing to the nosing of the next step, metres (0.5 to 5)."),
+    ] = 1.2
+    upper_landing_m: Annotated[
+        float,
+        Knob(0.3, 5.0, 0.01, "upper landing", display_unit="mm", per_display=1000.0),
+        Doc("Upper landing, from its nosing to its back edge, metres (0.3 to 5)."),
+    ] = 1.2
+    floor_front_m: Annotated[
+        float,
+        Knob(0.5, 10.0, 0.1, "floor in front", display_unit="m"),
+        Doc("Floor in front of the first riser, metres (0.5 to 10)."),
+    ] = 1.8
+    floor_width_m: Annotated[
+        float,
+        Knob(0.5, 12.0, 0.1, "floor width", display_unit="m"),
+        Doc("Width of the floor, metres (0.5 to 12); walls stand at the sides of the stair all the same."),
+    ] = 2.0
+    wall: Annotated[Sides, Doc("Side walls, flush with the treads: none, left, right (when climbing) or both.")] = (
+        "none"
+    )
+    ceiling: Annotated[bool, Doc("A level ceiling over everything.")] = False
+    headroom_m: Annotated[
+        float,
+        Knob(1.9, 5.0, 0.05, "headroom", display_unit="m"),
+        Doc("Ceiling, or top of a wall, above the upper landing, metres (1.9 to 5)."),
+    ] = 2.3
+    clutter: Annotated[
+        bool, Doc("A table and two boxes on the floor, a box on a tread, and a handrail with its posts.")
+    ] = False
+    rise_errors_m: Annotated[
+        str,
+        Doc("Risers that differ, as step:metres (5:+0.015); all steps above move too. 5:0.015,6:-0.015 moves one."),
+    ] = ""
+    going_errors_m: Annotated[str, Doc("Goings that differ, as step:metres (3:-0.01); all steps above move too.")] = ""
+    fall_errors_deg: Annotated[
+        str, Doc("Treads that fall towards their nosing, as step:degrees (4:3.4); the nosing keeps its height.")
+    ] = ""
+    cross_fall_errors_deg: Annotated[
+        str, Doc("Treads that are higher on the left, as step:degrees (4:1); the middle keeps its height.")
+    ] = ""
+    dish_errors_m: Annotated[
+        str, Doc("Treads that are worn hollow, as step:metres at the deepest point (2:0.005); the edges stay.")
+    ] = ""
+    yaw_deg: Annotated[
+        float,
+        Knob(-180.0, 180.0, 1.0, "yaw", display_unit="deg"),
+        Doc("Turn of the whole site about the vertical, degrees (-180 to 180); 0 climbs along +x."),
+    ] = 0.0
+    offset_m: Annotated[
+        str, Doc("Where the foot of the stair lies in the output, as x,y,z in metres (691000,5335000,520).")
+    ] = "0,0,0"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        parse_offset(self.offset_m)
+        if self.landing_after >= self.n_risers and self.landing_after:
+            raise ConfigError(
+                f"stair.landing_after: got {self.landing_after} with {self.n_risers} risers; give a step below the "
+                "upper landing, or 0 for no landing"
+            )
+        last = self.n_risers
+        rises = parse_errors("stair.rise_errors_m", self.rise_errors_m, last, 0.3)
+        goings = parse_errors("stair.going_errors_m", self.going_errors_m, last - 1, 1.0)
+        parse_errors("stair.fall_errors_deg", self.fall_errors_deg, last, 10.0)
+        parse_errors("stair.cross_fall_errors_deg", self.cross_fall_errors_deg, last, 5.0)
+        parse_errors("stair.dish_errors_m", self.dish_errors_m, last, SLAB_M / 2.0)
+        for name, wanted, errors, smallest in (
+            ("rise", self.rise_m, rises, _SMALLEST_RISE_M),
+            ("going", self.going_m, goings, _SMALLEST_GOING_M),
+        ):
+            for step, error in errors.items():
+                if not wanted + error >= smallest:
+                    raise ConfigError(
+                        f"stair.{name}_errors_m: step {step} would have a {name} of {wanted + error:g} m; give an "
+                        f"error that leaves at least {smallest:g} m"
+                    )
+
+
+@dataclass(frozen=True)
+class Scanner(Group):
+    """A scanner, where it stands, and what it gets wrong."""
+
+    stations: Annotated[
+        int,
+        Knob(1, 60, 1, "stations"),
+        Doc("Stations (1 to 60): the first on the floor, the last on the upper landing, the others between them."),
+    ] = 2
+    sensor_height_m: Annotated[
+        float,
+        Knob(0.1, 3.0, 0.05, "sensor height", display_unit="m"),
+        Doc("Height of the sensor above what it stands on, metres (0.1 to 3)."),
+    ] = 1.7
+    standoff_m: Annotated[
+        float,
+        Knob(0.3, 9.0, 0.1, "standoff", display_unit="m"),
+        Doc("Distance of the first station from the first riser, metres (0.3 to 9); at most to the floor's edge."),
+    ] = 1.4
+    azimuth_step_deg: Annotated[
+        float, Knob(0.02, 5.0, 0.01, "azimuth step", display_unit="deg"), Doc("Grid step around, degrees (0.02 to 5).")
+    ] = 0.1
+    elevation_step_deg: Annotated[
+        float,
+        Knob(0.02, 5.0, 0.01, "elevation step", display_unit="deg"),
+        Doc("Grid step up and down, degrees (0.02 to 5); a lidar's rings lie this far apart."),
+    ] = 0.1
+    azimuth_width_deg: Annotated[
+        float,
+        Knob(10.0, 360.0, 1.0, "field of view", display_unit="deg"),
+        Doc("Field of view around, degrees (10 to 360), centred on the climbing direction."),
+    ] = 360.0
+    elevation_low_deg: Annotated[
+        float, Knob(-89.0, 80.0, 1.0, "lowest ray", display_unit="deg"), Doc("Lowest ray, degrees (-89 to 80).")
+    ] = -65.0
+    elevation_high_deg: Annotated[
+        float, Knob(-80.0, 89.0, 1.0, "highest ray", display_unit="deg"), Doc("Highest ray, degrees (-80 to 89).")
+    ] = 89.0
+    range_max_m: Annotated[
+        float,
+        Knob(0.5, 200.0, 0.5, "reach", display_unit="m"),
+        Doc("Longest range that is measured, metres (0.5 to 200)."),
+    ] = 30.0
+    spacing_m: Annotated[
+        float,
+        Knob(0.0, 0.1, 0.001, "spacing", display_unit="mm", per_display=1000.0),
+        Doc("Points are thinned to one in each square of this side on a surface, metres (0 to 0.1); 0 keeps all."),
+    ] = 0.003
+    max_points: Annotated[
+        int,
+        Knob(100, 20_000_000, 1000, "points at most"),
+        Doc("Largest number of points (100 to 20000000); more are thinned at random."),
+    ] = 1_000_000
+    noise_m: Annotated[
+        float,
+        Knob(0.0, 0.1, 0.001, "range noise", display_unit="mm", per_display=1000.0),
+        Doc("Noise along the ray at square incidence, 1 sigma, metres (0 to 0.1)."),
+    ] = 0.001
+    incidence_gain: Annotated[
+        float,
+        Knob(0.0, 2.0, 0.05, "grazing noise"),
+        Doc("Growth of the noise at grazing incidence: 1 + gain * (1 / cos(incidence) - 1), at most tenfold (0 to 2)."),
+    ] = 0.1
+    noise_patch_rays: Annotated[
+        int,
+        Knob(1, 25, 1, "noise patch"),
+        Doc("Side of the square of rays over which the noise is correlated (1 to 25); 1 for independent noise."),
+    ] = 1
+    angle_noise_deg: Annotated[
+        float,
+        Knob(0.0, 1.0, 0.005, "angle noise", display_unit="deg"),
+        Doc("Noise of either angle, 1 sigma, degrees (0 to 1)."),
+    ] = 0.0
+    beam_m: Annotated[
+        float,
+        Knob(0.0, 0.2, 0.001, "beam", display_unit="mm", per_display=1000.0),
+        Doc("Diameter of the beam on the surface, metres (0 to 0.2): how near to an edge a ray must be to see both."),
+    ] = 0.006
+    mixed_share: Annotated[
+        float,
+        Knob(0.0, 1.0, 0.01, "mixed pixels"),
+        Doc("Share of the rays that straddle an edge and get a range between front and back surface (0 to 1)."),
+    ] = 0.02
+    dropout_share: Annotated[
+        float, Knob(0.0, 0.99, 0.01, "dropouts"), Doc("Share of the rays that return nothing (0 to 0.99).")
+    ] = 0.01
+    registration_m: Annotated[
+        float,
+        Knob(0.0, 0.1, 0.001, "registration", display_unit="mm", per_display=1000.0),
+        Doc("Shift of every station but the first, 1 sigma for each axis, metres (0 to 0.1)."),
+    ] = 0.0
+    tilt_deg: Annotated[
+        float,
+        Knob(0.0, 2.0, 0.01, "station tilt", display_unit="deg"),
+        Doc("Tilt of every station about a random level axis, 1 sigma, degrees (0 to 2)."),
+    ] = 0.0
+    drift_m_per_m: Annotated[
+        float,
+        Knob(0.0, 0.05, 0.001, "drift"),
+        Doc("Drift in one random direction, metres for each metre of way from the first station (0 to 0.05)."),
+    ] = 0.0
+    scale_percent: Annotated[
+        float,
+        Knob(-5.0, 5.0, 0.1, "scale error", display_unit="%"),
+        Doc("Error of scale of all coordinates about the foot of the stair, percent (-5 to 5)."),
+    ] = 0.0
+    seed: Annotated[
+        int, Knob(0, 2**31 - 1, 1, "seed"), Doc("Seed of everything random; the same seed, the same file.")
+    ] = 1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.elevation_high_deg - self.elevation_low_deg < self.elevation_step_deg:
+            raise ConfigError(
+                f"scanner.elevation_high_deg: got {self.elevation_high_deg:g} with a lowest ray at "
+                f"{self.elevation_low_deg:g}; give at least one step more"
+            )
+
+
+# Sources: data sheets and indoor tests of the Leica RTC360 and BLK360, FARO Focus, ZEB Horizon, Ouster OS1, Livox
+# Mid-360, RealSense D435, Azure Kinect and tablet lidar; each profile stands for its class, not for a product.
+PROFILES: dict[str, Scanner] = {
+    "tls_good": Scanner(tilt_deg=0.01, registration_m=0.0005, mixed_share=0.01),
+    "tls_fair": Scanner(
+        noise_m=0.003, spacing_m=0.005, registration_m=0.002, tilt_deg=0.05, mixed_share=0.02, dropout_share=0.03
+    ),
+    "handheld": Scanner(
+        stations=12,
+        sensor_height_m=1.3,
+        azimuth_step_deg=0.5,
+        elevation_step_deg=0.5,
+        spacing_m=0.008,
+        noise_m=0.01,
+        angle_noise_deg=0.05,
+        beam_m=0.015,
+        mixed_share=0.05,
+        dropout_share=0.05,
+        registration_m=0.002,
+        drift_m_per_m=0.002,
+        tilt_deg=0.2,
+    ),
+    "robot_lidar": Scanner(
+        stations=20,
+        sensor_height_m=0.4,
+        azimuth_step_deg=0.2,
+        elevation_step_deg=1.0,
+        elevation_low_deg=-45.0,
+        elevation_high_deg=45.0,
+        spacing_m=0.01,
+        noise_m=0.015,
+        angle_noise_deg=0.05,
+        beam_m=0.018,
+        mixed_share=0.05,
+        dropout_share=0.05,
+        registration_m=0.003,
+        drift_m_per_m=0.002,
+        tilt_deg=0.2,
+    ),
+    "depth_camera": Scanner(
+        stations=10,
+        sensor_height_m=1.5,
+        azimuth_step_deg=0.15,
+        elevation_step_deg=0.15,
+        azimuth_width_deg=85.0,
+        elevation_low_deg=-70.0,
+        elevation_high_deg=-12.0,
+        range_max_m=3.5,
+        spacing_m=0.006,
+        noise_m=0.006,
+        noise_patch_rays=5,
+        beam_m=0.01,
+        mixed_share=0.1,
+        dropout_share=0.1,
+        registration_m=0.003,
+        drift_m_per_m=0.003,
+        tilt_deg=0.3,
+    ),
+    "phone": Scanner(
+        stations=12,
+        sensor_height_m=1.4,
+        azimuth_step_deg=0.3,
+        elevation_step_deg=0.3,
+        azimuth_width_deg=70.0,
+        elevation_low_deg=-70.0,
+        elevation_high_deg=-5.0,
+        range_max_m=5.0,
+        spacing_m=0.01,
+        noise_m=0.008,
+        noise_patch_rays=7,
+        beam_m=0.02,
+        mixed_share=0.2,
+        dropout_share=0.05,
+        registration_m=0.005,
+        drift_m_per_m=0.003,
+        tilt_deg=0.5,
+        scale_percent=0.5,
+    ),
+}
+"""Scanners by class, from figures that were published for them."""
+
+
+def parse_errors(name: str, text: str, last_step: int, largest: float) -> dict[int, float]:
+    """Return the errors that ``text`` gives to steps, by step.
+
+    Parameters
+    ----------
+    name : str
+        Setting, for the message.
+    text : str
+        Pairs ``step:value`` separated by commas; empty for none.
+    last_step : int
+        Highest step that may be named; the lowest is 1.
+    largest : float
+        Largest magnitude of a value, in the setting's unit.
+
+    Raises
+    ------
+    ConfigError
+        Not of that form, no such step, a step named twice, or a value too large.
+
+    Examples
+    --------
+    >>> parse_errors("stair.rise_errors_m", "5:+0.015, 6:-0.015", 10, 0.3)
+    {5: 0.015, 6: -0.015}
+    """
+    errors: dict[int, float] = {}
+    for pair in text.split(",") if text.strip() else ():
+        step_text, _, value_text = pair.partition(":")
+        try:
+            step, value = int(step_text), float(value_text)
+        except ValueError:
+            raise ConfigError(f"{name}: got {text!r}; give pairs step:value such as 5:+0.015,6:-0.015") from None
+        if not 1 <= step <= last_step:
+            known = f"steps 1 to {last_step}" if last_step >= 1 else "no step"
+            raise ConfigError(f"{name}: got step {step}; this stair has {known} to which it applies")
+        if step in errors:
+            raise ConfigError(f"{name}: step {step} is given twice; give it once")
+        if not abs(value) <= largest:
+            raise ConfigError(f"{name}: got {value:g} for step {step}; give a value from {-largest:g} to {largest:g}")
+        errors[step] = value
+    return errors
+
+
+def parse_offset(text: str) -> tuple[float, float, float]:
+    """Return the three numbers of an offset, metres.
+
+    Raises
+    ------
+    ConfigError
+        Not three finite numbers.
+
+    Examples
+    --------
+    >>> parse_offset("691000, 5335000.5, 520")
+    (691000.0, 5335000.5, 520.0)
+    """
+    try:
+        parts = [float(part) for part in text.split(",")]
+    except ValueError:
+        parts = []
+    if len(parts) != 3 or not all(math.isfinite(part) for part in parts):
+        raise ConfigError(f"stair.offset_m: got {text!r}; give three numbers such as 691000,5335000,520")
+    return (parts[0], parts[1], parts[2])

@@ -1,0 +1,121 @@
+"""Settings of the simulator: what is refused, and with which sentence."""
+
+import dataclasses
+import subprocess
+import sys
+
+import pytest
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.params import fields_of
+from stair_inspector.simulate.samples import DEFAULT_SAMPLE, SAMPLES
+from stair_inspector.simulate.specs import PROFILES, Scanner, Stair, parse_errors, parse_offset
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"n_risers": 0}, "stair.n_risers: got 0; give a value from 1 to 60"),
+        ({"rise_m": float("nan")}, "stair.rise_m: got nan; give a number"),
+        ({"wall": "front"}, "stair.wall: got 'front'; give one of none, left, right, both"),
+        (
+            {"landing_after": 10},
+            "stair.landing_after: got 10 with 10 risers; give a step below the upper landing, or 0 for no landing",
+        ),
+        (
+            {"rise_errors_m": "5"},
+            "stair.rise_errors_m: got '5'; give pairs step:value such as 5:+0.015,6:-0.015",
+        ),
+        (
+            {"rise_errors_m": "11:0.01"},
+            "stair.rise_errors_m: got step 11; this stair has steps 1 to 10 to which it applies",
+        ),
+        (
+            {"going_errors_m": "10:0.01"},
+            "stair.going_errors_m: got step 10; this stair has steps 1 to 9 to which it applies",
+        ),
+        (
+            {"n_risers": 1, "going_errors_m": "1:0.01"},
+            "stair.going_errors_m: got step 1; this stair has no step to which it applies",
+        ),
+        ({"fall_errors_deg": "2:1,2:2"}, "stair.fall_errors_deg: step 2 is given twice; give it once"),
+        (
+            {"dish_errors_m": "2:nan"},
+            "stair.dish_errors_m: got nan for step 2; give a value from -0.02 to 0.02",
+        ),
+        (
+            {"rise_errors_m": "3:-0.15"},
+            "stair.rise_errors_m: step 3 would have a rise of 0.02 m; give an error that leaves at least 0.06 m",
+        ),
+        ({"offset_m": "1,2"}, "stair.offset_m: got '1,2'; give three numbers such as 691000,5335000,520"),
+        ({"offset_m": "1,2,inf"}, "stair.offset_m: got '1,2,inf'; give three numbers such as 691000,5335000,520"),
+    ],
+)
+def test_bad_stair_is_refused_with_one_sentence(settings, message):
+    with pytest.raises(ConfigError) as caught:
+        Stair(**settings)
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"stations": 0}, "scanner.stations: got 0; give a value from 1 to 60"),
+        ({"seed": 1.5}, "scanner.seed: got 1.5; give a whole number"),
+        ({"noise_m": -0.001}, "scanner.noise_m: got -0.001; give a value from 0 to 0.1"),
+        (
+            {"elevation_low_deg": 10.0, "elevation_high_deg": 0.0},
+            "scanner.elevation_high_deg: got 0 with a lowest ray at 10; give at least one step more",
+        ),
+    ],
+)
+def test_bad_scanner_is_refused_with_one_sentence(settings, message):
+    with pytest.raises(ConfigError) as caught:
+        Scanner(**settings)
+    assert str(caught.value) == message
+
+
+def test_errors_of_steps_are_read():
+    assert parse_errors("x", "5:+0.015, 6:-0.015", 10, 0.3) == {5: 0.015, 6: -0.015}
+    assert parse_errors("x", "  ", 10, 0.3) == {}
+    assert parse_offset("1, -2.5,3e2") == (1.0, -2.5, 300.0)
+
+
+@pytest.mark.parametrize("group", [Stair, Scanner])
+def test_every_number_has_a_knob_that_holds_its_default(group):
+    for name, (kind, knob) in fields_of(group).items():
+        if kind in (int, float):
+            assert knob is not None, name
+            assert knob.low <= getattr(group(), name) <= knob.high, name
+
+
+def test_profiles_are_what_the_figures_say():
+    assert PROFILES["tls_good"].noise_m == 0.001
+    assert PROFILES["tls_fair"].noise_m == 0.003
+    assert PROFILES["handheld"].noise_m == 0.01
+    assert PROFILES["robot_lidar"].sensor_height_m == 0.4
+    assert PROFILES["depth_camera"].azimuth_width_deg < 120.0
+    assert PROFILES["phone"].scale_percent == 0.5
+    assert len({dataclasses.astuple(profile) for profile in PROFILES.values()}) == 6
+
+
+def test_samples_cover_what_was_asked():
+    long = SAMPLES["long_landing"][0]
+    treads = long.n_risers - 2
+    assert treads * long.going_m + long.landing_depth_m > long.width_m
+    assert long.landing_after > 0
+    assert SAMPLES["ceiling_clutter"][0].ceiling
+    assert SAMPLES["ceiling_clutter"][0].clutter
+    assert SAMPLES["handheld_noisy"][1].noise_m == 0.01
+    assert SAMPLES["defective_step"][0].rise_errors_m
+    plain = SAMPLES[DEFAULT_SAMPLE][0]
+    assert (plain.rise_errors_m, plain.going_errors_m, plain.fall_errors_deg, plain.clutter) == ("", "", "", False)
+
+
+def test_specs_import_nothing_heavy():
+    code = (
+        "import sys, stair_inspector.simulate.samples\n"
+        "print([name for name in ('numpy', 'trimesh', 'open3d') if name in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"

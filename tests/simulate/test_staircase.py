@@ -1,0 +1,143 @@
+"""The mesh is the staircase that was asked for, and the truth says what the mesh is."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from stair_inspector.simulate.specs import SLAB_M, Stair
+from stair_inspector.simulate.staircase import build, lay_out, output_from_stair
+
+
+def vertices_of(building, part, level=None):
+    """All corners of the surfaces of one part (and level), (n, 3)."""
+    wanted = [
+        index
+        for index, surface in enumerate(building.surfaces)
+        if surface.part == part and level in (None, surface.level)
+    ]
+    faces = building.mesh.faces[np.isin(building.surface_of, wanted)]
+    return np.asarray(building.mesh.vertices)[np.unique(faces)]
+
+
+def top_of(building, step):
+    return vertices_of(building, step.kind, step.step_id)
+
+
+def test_truth_repeats_the_spec():
+    steps = lay_out(Stair(n_risers=7, rise_m=0.18, going_m=0.27, width_m=1.1, overhang_m=0.03))
+    assert [step.step_id for step in steps] == list(range(1, 8))
+    assert [step.kind for step in steps] == ["tread"] * 6 + ["landing"]
+    assert {step.rise_m for step in steps} == {0.18}
+    assert {step.going_m for step in steps[:-1]} == {0.27}
+    assert steps[-1].going_m is None
+    assert [step.tread_depth_m for step in steps[:-1]] == pytest.approx([0.30] * 6, abs=1e-12)
+    assert steps[-1].tread_depth_m == 1.2
+    assert [step.height_m for step in steps] == pytest.approx([0.18 * k for k in range(1, 8)], abs=1e-12)
+
+
+@pytest.mark.parametrize("open_risers", [False, True])
+def test_mesh_has_the_rise_going_width_and_overhang_of_the_truth(open_risers):
+    building = build(Stair(n_risers=6, landing_after=3, overhang_m=0.02, open_risers=open_risers))
+    fronts = []
+    for step in building.steps:
+        top = top_of(building, step)
+        assert top[:, 2] == pytest.approx(step.height_m, abs=1e-12)
+        assert np.ptp(top[:, 0]) == pytest.approx(step.tread_depth_m, abs=1e-12)
+        assert np.ptp(top[:, 1]) == pytest.approx(step.width_m, abs=1e-12)
+        fronts.append(top[:, 0].min())
+        nosing = vertices_of(building, "nosing", step.step_id)
+        assert np.ptp(nosing[:, 2]) == pytest.approx(SLAB_M, abs=1e-12)
+        if open_risers:
+            assert len(vertices_of(building, "riser", step.step_id)) == 0
+        else:
+            riser = vertices_of(building, "riser", step.step_id)
+            assert riser[:, 0] == pytest.approx(fronts[-1] + step.nosing_overhang_m, abs=1e-12)
+            assert riser[:, 2].min() == pytest.approx(step.height_m - step.rise_m, abs=1e-12)
+    assert np.diff(fronts) == pytest.approx([step.going_m for step in building.steps[:-1]], abs=1e-12)
+    assert building.steps[2].going_m == 1.2
+
+
+def test_nosing_line_is_the_front_edge_of_the_top():
+    building = build(Stair(n_risers=4, cross_fall_errors_deg="2:2", fall_errors_deg="3:3"))
+    for step in building.steps:
+        top = top_of(building, step)
+        front = top[np.isclose(top[:, 0], top[:, 0].min(), atol=1e-12)]
+        left, right = front[np.argmax(front[:, 1])], front[np.argmin(front[:, 1])]
+        assert step.nosing[0] == pytest.approx(tuple(left), abs=1e-12)
+        assert step.nosing[1] == pytest.approx(tuple(right), abs=1e-12)
+
+
+def test_defects_are_in_the_geometry_and_in_the_truth():
+    stair = Stair(
+        n_risers=8,
+        rise_errors_m="5:+0.015,6:-0.015",
+        going_errors_m="2:-0.02",
+        fall_errors_deg="3:3.43",
+        cross_fall_errors_deg="4:1.5",
+        dish_errors_m="7:0.006",
+    )
+    building = build(stair)
+    steps = building.steps
+    rises = [step.rise_m for step in steps]
+    assert rises == pytest.approx([0.17] * 4 + [0.185, 0.155] + [0.17] * 2, abs=1e-12)
+    assert steps[1].going_m == pytest.approx(0.26, abs=1e-12)
+    assert top_of(building, steps[4])[:, 2] == pytest.approx(5 * 0.17 + 0.015, abs=1e-12)
+    assert top_of(building, steps[5])[:, 2] == pytest.approx(6 * 0.17, abs=1e-12)
+
+    fallen = top_of(building, steps[2])
+    slope = (fallen[:, 2] - steps[2].height_m) / np.maximum(fallen[:, 0] - fallen[:, 0].min(), 1e-9)
+    behind = fallen[:, 0] > fallen[:, 0].min() + 0.01
+    assert slope[behind] == pytest.approx(math.tan(math.radians(3.43)), abs=1e-9)
+    assert steps[2].fall_deg == 3.43
+
+    tilted = top_of(building, steps[3])
+    assert tilted[:, 2] - steps[3].height_m == pytest.approx(tilted[:, 1] * math.tan(math.radians(1.5)), abs=1e-12)
+
+    worn = top_of(building, steps[6])
+    assert worn[:, 2].min() == pytest.approx(steps[6].height_m - 0.006, abs=1e-12)
+    assert worn[np.isclose(worn[:, 0], worn[:, 0].min()), 2] == pytest.approx(steps[6].height_m, abs=1e-12)
+    assert steps[6].dish_m == 0.006
+
+
+def test_flights_are_parted_by_the_landing():
+    steps = lay_out(Stair(n_risers=9, landing_after=5, landing_depth_m=1.5))
+    assert [step.flight for step in steps] == [1] * 5 + [2] * 4
+    assert [step.step_id for step in steps if step.kind == "landing"] == [5, 9]
+    assert steps[4].going_m == 1.5
+
+
+@pytest.mark.parametrize("side", ["left", "right", "both"])
+def test_walls_stand_beside_the_treads(side):
+    building = build(Stair(wall=side, headroom_m=2.2))
+    wall = vertices_of(building, "wall")
+    assert wall[:, 2].max() == pytest.approx(1.7 + 2.2, abs=1e-12)
+    assert (wall[:, 1].max() > 0.6) == (side in ("left", "both"))
+    assert (wall[:, 1].min() < -0.6) == (side in ("right", "both"))
+    assert np.abs(np.abs(wall[:, 1]) - 0.6).max() < 0.002
+
+
+def test_ceiling_and_clutter_are_there_only_when_asked_for():
+    plain, full = build(Stair()), build(Stair(ceiling=True, clutter=True))
+    assert {surface.part for surface in plain.surfaces} == {"floor", "tread", "landing", "riser", "nosing", "side"}
+    ceiling = vertices_of(full, "ceiling")
+    assert ceiling[:, 2] == pytest.approx(1.7 + 2.3, abs=1e-12)
+    table = vertices_of(full, "clutter")
+    assert np.isclose(table[:, 2], 0.75).sum() >= 4
+    # The handrail runs 0.9 m above the nosings, up to the landing.
+    assert table[:, 2].max() == pytest.approx(1.7 + 0.9, abs=0.05)
+
+
+def test_output_frame_has_yaw_and_offset():
+    stair = Stair(yaw_deg=90.0, offset_m="691000,5335000,520")
+    moved = output_from_stair(stair, np.array([[2.0, 0.5, 1.0]]))
+    assert moved[0] == pytest.approx([691000.0 - 0.5, 5335000.0 + 2.0, 521.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("open_risers", [False, True])
+def test_every_triangle_has_area_and_a_surface(open_risers):
+    everything = Stair(n_risers=4, clutter=True, ceiling=True, wall="left", landing_after=2, dish_errors_m="1:0.004")
+    building = build(dataclasses.replace(everything, open_risers=open_risers, overhang_m=0.0))
+    assert building.surface_of.max() == len(building.surfaces) - 1
+    assert np.asarray(building.mesh.area_faces).min() > 1e-6
