@@ -1,0 +1,162 @@
+"""From a cloud as the file has it to a scan in metres near zero: unit, origin, and which points to keep."""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stair_inspector.errors import ReadError
+from stair_inspector.files.raw_cloud import READ_STAGE
+from stair_inspector.geometry.arrays import Floats, Ints
+from stair_inspector.model import Note
+from stair_inspector.params import METRES_PER_UNIT
+
+KnownUnit = Literal["m", "cm", "mm", "in", "ft"]
+_UNIT_NAMES = {"m": "metres", "cm": "centimetres", "mm": "millimetres"}
+_LARGEST_IN_METRES = 150.0
+"""A larger number cannot be the size of a scanned staircase in metres."""
+_LARGEST_IN_CENTIMETRES = 1500.0
+_SIZE_PERCENTILES = (2.0, 98.0)
+_SMALLEST_PLAUSIBLE_M = 0.3
+_NEAR_M = 1000.0
+_FARTHEST_M = 1e9
+_FARTHEST_IN_FILE = 1e12
+"""Beyond this, coordinates are garbage in every unit."""
+
+
+def guess_unit(points: Floats) -> tuple[KnownUnit, Note]:
+    """Guess the unit of coordinates from their extent.
+
+    Parameters
+    ----------
+    points : (n, 3), file unit
+        Finite, at least one.
+
+    Returns
+    -------
+    unit
+        Metres, centimetres or millimetres; inches and feet are never guessed.
+    note
+        What was guessed, the size that follows, how to override it.
+
+    Notes
+    -----
+    The diagonal of the box between the 2nd and 98th percentiles of each axis, so that stray points do not decide.
+    """
+    low, high = np.percentile(points, _SIZE_PERCENTILES, axis=0)
+    size = float(np.linalg.norm(high - low))
+    unit: KnownUnit
+    if size <= _LARGEST_IN_METRES:
+        unit = "m"
+    elif size < _LARGEST_IN_CENTIMETRES:
+        unit = "cm"
+    else:
+        unit = "mm"
+    size_m = size * METRES_PER_UNIT[unit]
+    message = f"Unit guessed: {_UNIT_NAMES[unit]}, which makes the scan {size_m:.3g} m in size"
+    if size_m < _SMALLEST_PLAUSIBLE_M:
+        message += ", too small for a staircase"
+    elif size_m > _LARGEST_IN_METRES:
+        message += ", too large for a staircase"
+    return unit, Note("unit_guessed", READ_STAGE, f"{message}; if that is wrong, state the unit with --unit.")
+
+
+def check_range(points: Floats) -> None:
+    """Check that coordinates in the file's unit are not garbage in any unit.
+
+    Raises
+    ------
+    ReadError
+        Beyond 1e12.
+    """
+    _check_farthest(points, _FARTHEST_IN_FILE, "")
+
+
+def to_local_metres(points: Floats, unit: KnownUnit) -> tuple[Floats, Floats]:
+    """Convert coordinates to metres and subtract an origin.
+
+    Parameters
+    ----------
+    points : (n, 3), file unit
+        Finite, at least one.
+    unit : str
+        A unit of METRES_PER_UNIT.
+
+    Returns
+    -------
+    local : (n, 3), metres
+        ``local + origin_m`` is the file's coordinate times the unit, to the rounding of float64. No -0.0.
+    origin_m : (3,)
+        Zero where every coordinate is within 1000 m of zero, so that small scans keep their numbers; otherwise the
+        median of each axis in whole metres, which stray points do not move and which float64 subtracts exactly.
+
+    Raises
+    ------
+    ReadError
+        A coordinate beyond 1e9 m.
+    """
+    metres = points * METRES_PER_UNIT[unit]
+    _check_farthest(metres, _FARTHEST_M, " m")
+    is_near = np.abs(metres).max() < _NEAR_M
+    origin_m = np.zeros(3) if is_near else np.rint(np.median(metres, axis=0))
+    # Adding 0.0 turns -0.0 into 0.0: the same place, but other bits.
+    return metres - origin_m + 0.0, origin_m + 0.0
+
+
+def _check_farthest(points: Floats, limit: float, unit: str) -> None:
+    farthest = float(np.abs(points).max())
+    if farthest > limit:
+        raise ReadError(
+            f"has a coordinate of {farthest:.3g}{unit}, beyond {limit:.0e}{unit}; "
+            "the file is damaged or not a scan, export it again"
+        )
+
+
+def first_occurrences(points: Floats) -> NDArray[np.bool_]:
+    """Mark the first of each group of points at exactly the same position.
+
+    Parameters
+    ----------
+    points : (n, 3), contiguous
+        Finite, without -0.0.
+
+    Returns
+    -------
+    (n,) bool
+
+    Notes
+    -----
+    Sorts one 64-bit hash of each point instead of three coordinates, which takes a third of the time, and compares
+    the coordinates of equal neighbours; should two different points ever share a hash, it sorts the coordinates.
+    """
+    code = _hash(points)
+    order: Ints = np.argsort(code, kind="stable")
+    follows = code[order[1:]] == code[order[:-1]]
+    repeats, before = order[1:][follows], order[:-1][follows]
+    if not (points[repeats] == points[before]).all():
+        order = np.lexsort(points.T)
+        repeats = order[1:][(points[order[1:]] == points[order[:-1]]).all(axis=1)]
+    keep = np.ones(len(points), dtype=np.bool_)
+    keep[repeats] = False
+    return keep
+
+
+def _hash(points: Floats) -> NDArray[np.uint64]:
+    """Mix the bits of three coordinates; coordinates from float32 have 29 low zeros, hence the shifts."""
+    code = np.zeros(len(points), dtype=np.uint64)
+    for column in np.ascontiguousarray(points).view(np.uint64).T:
+        code ^= column ^ (column >> np.uint64(32))
+        code *= np.uint64(0x9E3779B97F4A7C15)
+        code ^= code >> np.uint64(29)
+    return code
+
+
+def unit_normals(normals: Floats) -> Floats | None:
+    """Scale normals (n, 3) to unit length; None where one of them is zero or not finite."""
+    largest = np.abs(normals).max(axis=1, keepdims=True)
+    if not np.isfinite(largest).all() or not largest.all():
+        return None
+    # Scaling first keeps the squares of very large and very small components in range.
+    scaled: Floats = normals / largest
+    unit: Floats = scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+    return unit

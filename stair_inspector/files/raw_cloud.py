@@ -1,0 +1,285 @@
+"""What every scan format is first turned into, and the checks that all of them share.
+
+Takes named columns as they stand in the file, gives points, colours and normals in the file's own unit. The readers
+here raise ``ReadError`` without the file's name; ``scans.read_scan`` puts it in front.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from itertools import chain, islice
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stair_inspector.errors import ReadError
+from stair_inspector.geometry.arrays import Colors, Floats
+from stair_inspector.model import Note
+
+READ_STAGE = "read"
+RED_GREEN_BLUE = ("red", "green", "blue")
+NORMAL_XYZ = ("nx", "ny", "nz")
+TRUNCATED_HINT = "the file is truncated, copy or export it again"
+_COLOR_NAMES = (RED_GREEN_BLUE, ("r", "g", "b"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
+_NORMAL_NAMES = (NORMAL_XYZ, ("normal_x", "normal_y", "normal_z"))
+_COUNT_DIGITS = 15
+"""A count with more digits exceeds any file."""
+_SHOWN_CHARACTERS = 60
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawCloud:
+    """A cloud as the file has it: ``points`` (n, 3) in the file's unit and frame, not finite where the file says so.
+
+    ``colors`` (n, 3) uint8 or None; ``normals`` (n, 3) as written, of any length, or None.
+    """
+
+    points: Floats
+    colors: Colors | None = None
+    normals: Floats | None = None
+    notes: tuple[Note, ...] = ()
+
+
+def shown(text: str | bytes, limit: int = _SHOWN_CHARACTERS) -> str:
+    r"""Return text from a file or a path so that it fits into a one-line message.
+
+    Examples
+    --------
+    >>> shown(b"two\nlines \xff")
+    'two\\nlines \\xff'
+    """
+    # Cut first: a line of a hostile file may have gigabytes.
+    cut = text[: limit + 1]
+    decoded = cut.decode("ascii", "backslashreplace") if isinstance(cut, bytes) else cut
+    clean = "".join(
+        c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode("ascii") for c in decoded
+    )
+    return clean if len(text) <= limit else clean[:limit] + "..."
+
+
+def parse_count(token: str, what: str) -> int:
+    """Return a count stated by a header.
+
+    Raises
+    ------
+    ReadError
+        Not a plain whole number, or more digits than a file can hold points.
+    """
+    if not (token.isascii() and token.isdigit()) or len(token) > _COUNT_DIGITS:
+        raise ReadError(f"{what} should be a whole number, got '{shown(token)}'; export the scan again")
+    return int(token)
+
+
+def strided_column(data: bytes | bytearray, dtype: str, count: int, offset: int, stride: int) -> NDArray[Any]:
+    """Return ``count`` values that lie ``stride`` bytes apart in a buffer; numpy refuses to leave the buffer."""
+    return np.ndarray(shape=(count,), dtype=dtype, buffer=data, offset=offset, strides=(stride,))
+
+
+def check_rest_is_padding(rest: bytes, n_points: int) -> None:
+    """Check that nothing but zeros or white space follows the data that a header announced.
+
+    Raises
+    ------
+    ReadError
+        More data: the header states fewer points than the file holds.
+    """
+    if rest.strip(b"\0 \t\r\n"):
+        raise ReadError(
+            f"holds {len(rest)} bytes more than the {n_points} points its header states; "
+            "the header or the file is damaged, export the scan again"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """Lines of numbers in a file: where they begin, and what they must look like.
+
+    ``start`` is the byte offset of the first line; ``skip`` the lines that belong to something else; ``n_rows`` how
+    many lines to read, None for all; ``separator`` None means white space.
+    """
+
+    data: bytes
+    start: int
+    n_columns: int
+    n_rows: int | None = None
+    skip: int = 0
+    separator: str | None = None
+
+    def _stream(self) -> BytesIO:
+        stream = BytesIO(self.data)
+        stream.seek(self.start)
+        return stream
+
+    def _lines(self, stream: BytesIO) -> Iterator[bytes]:
+        stop = None if self.n_rows is None else self.skip + self.n_rows
+        return islice(filter(bytes.strip, stream), self.skip, stop)
+
+    def parse(self) -> tuple[Floats, int, bool]:
+        """Parse the table.
+
+        Returns
+        -------
+        values : (n, n_columns)
+        n_after : int
+            Lines after the table that are not blank; 0 where ``n_rows`` is None.
+        is_cut : bool
+            Whether the last number is the end of the file, without a line end: it may have lost digits.
+
+        Raises
+        ------
+        ReadError
+            A line with another number of columns or something that is not a number, by line number; fewer lines than
+            ``n_rows``.
+
+        Notes
+        -----
+        numpy's C reader: strict, correctly rounded, a quarter of a second for a million points. Open3D leaves
+        uninitialised memory where an ascii body is too short and zeros where it is not a number.
+        """
+        stream = self._stream()
+        lines = self._lines(stream)
+        first = next(lines, None)
+        if first is None:
+            values: Floats = np.zeros((0, self.n_columns))
+        else:
+            try:
+                values = np.loadtxt(
+                    chain([first], lines),
+                    dtype=np.float64,
+                    comments=None,
+                    delimiter=self.separator,
+                    ndmin=2,
+                    encoding="latin1",
+                )
+            except ValueError as error:
+                raise self._explained() from error
+            if values.shape[1] != self.n_columns:
+                raise self._explained()
+        if self.n_rows is not None and len(values) < self.n_rows:
+            raise ReadError(f"its header states {self.n_rows} points but {len(values)} follow; {TRUNCATED_HINT}")
+        is_cut = first is not None and stream.tell() >= len(self.data) and not self.data.endswith((b"\n", b"\r"))
+        return values, sum(1 for line in stream if line.strip()), is_cut
+
+    def _explained(self) -> ReadError:
+        """Return the error that names the first bad line."""
+        separator = None if self.separator is None else self.separator.encode("ascii")
+        number = self.data.count(b"\n", 0, self.start)
+        row = -self.skip
+        for line in self._stream():
+            number += 1
+            row += bool(line.strip())
+            if not line.strip() or row <= 0:
+                continue
+            if self.n_rows is not None and row > self.n_rows:
+                break
+            tokens = line.split(separator)
+            if len(tokens) != self.n_columns:
+                return ReadError(
+                    f"line {number} should have {self.n_columns} columns, got {len(tokens)} "
+                    f"('{shown(line.strip())}'); correct the line or export the scan again"
+                )
+            bad = next((token for token in tokens if not is_number(token)), None)
+            if bad is not None:
+                return ReadError(
+                    f"line {number} holds '{shown(bad.strip())}' where a number is expected; "
+                    "correct the line or export the scan again"
+                )
+        return ReadError("holds a line that is not numbers; export the scan again")
+
+
+def is_number(token: bytes) -> bool:
+    """Return whether numpy's reader takes a token for a number."""
+    try:
+        float(token)
+    except ValueError:
+        return False
+    return b"_" not in token
+
+
+def cut_note() -> tuple[Note, ...]:
+    """Return the note of a file that ends in the middle of its last line of points."""
+    return (
+        Note(
+            "last_line_unfinished",
+            READ_STAGE,
+            "The file ends without a line end, so its last number may have lost digits.",
+        ),
+    )
+
+
+def as_declared(column: Floats, dtype: np.dtype[Any]) -> NDArray[Any]:
+    """Return an ascii column in its declared integer type where every value fits, else unchanged.
+
+    Coordinates written with decimals under an integer type stay what was written.
+    """
+    if dtype.kind not in "iu":
+        return column
+    limits = np.iinfo(dtype)
+    fits = (column >= float(limits.min)) & (column <= float(limits.max)) & (column == np.floor(column))
+    # The largest 64-bit integers are not doubles; a colour is never that large.
+    return column.astype(dtype) if dtype.itemsize < 8 and fits.all() else column
+
+
+def cloud_from_columns(columns: Mapping[str, NDArray[Any]], notes: Sequence[Note] = ()) -> RawCloud:
+    """Pick points, colours and normals from the named columns of a file.
+
+    Parameters
+    ----------
+    columns : mapping of name to (n,)
+        Names in lower case; integer or floating type, of any byte order.
+    notes : sequence of Note
+        What the reader has to say.
+
+    Raises
+    ------
+    ReadError
+        No x, y or z, or no points.
+    """
+    missing = [axis for axis in "xyz" if axis not in columns]
+    if missing:
+        names = shown(", ".join(columns), 100)
+        raise ReadError(f"has no {' and no '.join(missing)} (its fields: {names}); export the scan with x, y and z")
+    points = _stacked(columns, tuple("xyz"))
+    if not len(points):
+        raise ReadError("holds no points; export the scan again")
+    noted = list(notes)
+    colors = None
+    color_names = _first_present(columns, _COLOR_NAMES)
+    if color_names is not None:
+        colors = _to_bytes([columns[name] for name in color_names])
+        if colors is None:
+            noted.append(
+                Note("colors_dropped", READ_STAGE, "Colours dropped: they are neither 0 to 1, 0 to 255 nor 16-bit.")
+            )
+    normal_names = _first_present(columns, _NORMAL_NAMES)
+    normals = None if normal_names is None else _stacked(columns, normal_names)
+    return RawCloud(points, colors, normals, tuple(noted))
+
+
+def _first_present(columns: Mapping[str, object], choices: Sequence[tuple[str, ...]]) -> tuple[str, ...] | None:
+    return next((names for names in choices if all(name in columns for name in names)), None)
+
+
+def _stacked(columns: Mapping[str, NDArray[Any]], names: tuple[str, ...]) -> Floats:
+    # A signalling NaN or a float64 beyond float32 in a hostile file must not raise numpy's warning.
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.stack([columns[name].astype(np.float64) for name in names], axis=1)
+
+
+def _to_bytes(channels: Sequence[NDArray[Any]]) -> Colors | None:
+    """Return colours as (n, 3) uint8, or None where their range has no usual meaning."""
+    if all(channel.dtype == np.uint8 for channel in channels):
+        return np.stack(channels, axis=1)
+    is_integer = all(channel.dtype.kind in "iu" for channel in channels)
+    values = _stacked(dict(zip(RED_GREEN_BLUE, channels, strict=True)), RED_GREEN_BLUE)
+    if not np.isfinite(values).all() or values.min() < 0.0:
+        return None
+    high = values.max()
+    if not is_integer and high <= 1.0:
+        values = values * 255.0
+    elif is_integer and 255.0 < high <= 65535.0:
+        values = values / 257.0
+    elif high > 255.0:
+        return None
+    return np.rint(values).astype(np.uint8)

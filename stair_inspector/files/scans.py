@@ -1,0 +1,233 @@
+"""The door for scans: which files to read, and one file into one :class:`Scan`.
+
+Files are hostile until checked: what a header states is compared with what the file holds before it is believed, and
+everything that is wrong with a file becomes one sentence.
+"""
+
+import hashlib
+import stat
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from stair_inspector.errors import ReadError
+from stair_inspector.files.cleaning import check_range, first_occurrences, guess_unit, to_local_metres, unit_normals
+from stair_inspector.files.pcd_scan import is_pcd, read_pcd
+from stair_inspector.files.ply_scan import is_ply, read_ply
+from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, shown
+from stair_inspector.files.text_scan import is_text, read_text
+from stair_inspector.geometry.arrays import Colors, Floats
+from stair_inspector.model import Note, Scan
+from stair_inspector.params import Unit, check_value
+
+SUFFIXES = (".ply", ".pcd", ".xyz", ".pts", ".csv", ".txt", ".asc")
+"""Suffixes of scans, lower case; what a file holds decides how it is read."""
+FOLDER_SUFFIXES = SUFFIXES[:5]
+"""Suffixes taken from a folder: a text file in a folder is more often a remark than a scan."""
+
+_LARGEST_BYTES = 4 * 2**30
+_PATH_CHARACTERS = 300
+_OTHER_FORMATS = {
+    b"LASF": "LAS",
+    b"ASTM-E57": "E57",
+    b"PK\x03\x04": "a ZIP archive",
+    b"\x1f\x8b": "a gzip archive",
+    b"solid ": "STL",
+    b"glTF": "glTF",
+    b"%PDF": "PDF",
+    b"\x89PNG": "an image",
+    b"\xff\xd8\xff": "an image",
+}
+_HINT = "export the scan as PLY, PCD, XYZ, PTS or CSV"
+
+
+def find_scans(paths: Sequence[Path]) -> list[Path]:
+    """Return the scans that a user named: files as they are, folders as the scans in them.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Files and folders; a folder gives its own files ending in .ply, .pcd, .xyz, .pts or .csv in any case, sorted
+        by name; left out are hidden files, subfolders, and the results that ``measure`` may have written there.
+
+    Raises
+    ------
+    ReadError
+        A path is missing or cannot be looked at, or a folder has no scans.
+    """
+    found: list[Path] = []
+    for path in map(Path, paths):
+        if not stat.S_ISDIR(_mode(path)):
+            found.append(path)
+            continue
+        try:
+            inside = sorted(
+                child
+                for child in path.iterdir()
+                if child.suffix.lower() in FOLDER_SUFFIXES
+                and not child.name.startswith(".")
+                and child.is_file()
+                and not _is_result(child)
+            )
+        except OSError as error:
+            raise _cannot_open(path, error) from error
+        if not inside:
+            raise ReadError(f"{_name(path)}: this folder holds no scans ({', '.join(FOLDER_SUFFIXES)}); name a scan")
+        found += inside
+    return found
+
+
+def _is_result(path: Path) -> bool:
+    """Return whether a file is a table or debug cloud of ours: its JSON lies beside it."""
+    if path.suffix == ".csv":
+        return path.with_suffix(".json").is_file()
+    return path.name.endswith("_debug.ply") and path.with_name(path.name[: -len("_debug.ply")] + ".json").is_file()
+
+
+def read_scan(path: Path, unit: Unit = "auto") -> Scan:
+    """Read a scan, whatever its format, into metres near zero.
+
+    Parameters
+    ----------
+    path : Path
+        PLY, PCD or text; the content decides, not the suffix. The file is only read.
+    unit : str
+        Unit of the file's coordinates; ``auto`` guesses metres, centimetres or millimetres from the size.
+
+    Returns
+    -------
+    Scan
+        Finite, distinct points in the order of the file; ``points + origin_m`` are the file's coordinates times the
+        unit, to the rounding of float64. ``origin_m`` is zero where all coordinates are within 1000 m of zero, else
+        whole metres near the middle of the cloud. Colours 0 to 255 and unit normals where the file has them. Notes
+        (stage ``read``): ``unit_guessed``, ``non_finite_dropped``, ``duplicates_dropped``, ``normals_dropped``,
+        ``colors_dropped``, ``columns_ignored``, ``last_line_unfinished``.
+
+    Raises
+    ------
+    ReadError
+        Missing, not a file, empty, larger than 4 GiB, unknown, damaged, not what its header states, or without any
+        finite point: one sentence that begins with the path.
+    ConfigError
+        Unknown unit.
+    """
+    check_value("unit", unit, Unit, None)
+    path = Path(path)
+    data = _read_bytes(path)
+    try:
+        return _to_scan(_parse(path, data), unit, shown(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
+    except ReadError as error:
+        raise ReadError(f"{_name(path)}: {error}") from error
+    except MemoryError as error:
+        raise ReadError(f"{_name(path)}: does not fit into the memory; thin the scan out and try again") from error
+
+
+def _name(path: Path) -> str:
+    return shown(str(path), _PATH_CHARACTERS)
+
+
+def _cannot_open(path: Path, error: OSError | ValueError) -> ReadError:
+    if isinstance(error, FileNotFoundError):
+        return ReadError(f"{_name(path)}: there is no such file; check the path")
+    # A ValueError comes from a path with a zero byte.
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a valid path"
+    return ReadError(f"{_name(path)}: cannot be opened ({shown(reason)}); check the path and your rights to it")
+
+
+def _mode(path: Path) -> int:
+    try:
+        return path.stat().st_mode
+    except (OSError, ValueError) as error:
+        raise _cannot_open(path, error) from error
+
+
+def _read_bytes(path: Path) -> bytes:
+    """Return the content of a regular file: not mapped, since a file cut while it is mapped ends the process."""
+    mode = _mode(path)
+    if stat.S_ISDIR(mode):
+        raise ReadError(f"{_name(path)}: is a folder, not a scan; name a file in it")
+    if not stat.S_ISREG(mode):
+        # Opening a pipe would wait for ever.
+        raise ReadError(f"{_name(path)}: is a device or a pipe, not a file; save the scan to a file first")
+    try:
+        n_bytes = path.stat().st_size
+        if n_bytes > _LARGEST_BYTES:
+            raise ReadError(
+                f"{_name(path)}: has {n_bytes / 2**30:.1f} GiB, more than the {_LARGEST_BYTES // 2**30} GiB that are "
+                "read; thin the scan out or cut out the staircase"
+            )
+        data = path.read_bytes()
+    except OSError as error:
+        raise _cannot_open(path, error) from error
+    except MemoryError as error:
+        raise ReadError(f"{_name(path)}: does not fit into the memory; thin the scan out and try again") from error
+    if not data:
+        raise ReadError(f"{_name(path)}: is empty; {_HINT}")
+    return data
+
+
+def _parse(path: Path, data: bytes) -> RawCloud:
+    """Read by content; the suffix only decides which sentence explains a failure."""
+    if is_ply(data):
+        return read_ply(data)
+    if is_pcd(data):
+        return read_pcd(data)
+    other = next((name for magic, name in _OTHER_FORMATS.items() if data.startswith(magic)), None)
+    if other is not None:
+        raise ReadError(f"is {other}, which is not read; {_HINT}")
+    suffix = path.suffix.lower()
+    if suffix in (".ply", ".pcd"):
+        try:
+            return read_text(data)
+        except ReadError as error:
+            expected = "'ply'" if suffix == ".ply" else "a PCD header"
+            raise ReadError(f"does not begin with {expected} (got '{shown(data, 20)}'); {_HINT}") from error
+    if not is_text(data) and suffix not in SUFFIXES:
+        raise ReadError(f"is of an unknown format (it begins with '{shown(data, 20)}'); {_HINT}")
+    return read_text(data)
+
+
+def _to_scan(raw: RawCloud, unit: Unit, name: str, sha256: str) -> Scan:
+    notes = list(raw.notes)
+    n_points = len(raw.points)
+    kept = np.flatnonzero(np.isfinite(raw.points).all(axis=1))
+    if not len(kept):
+        raise ReadError(f"none of its {n_points} points is finite (all are NaN or infinite); {_HINT}")
+    if len(kept) < n_points:
+        notes.append(_dropped("non_finite_dropped", n_points - len(kept), n_points, "not finite (NaN or infinite)"))
+    finite = raw.points[kept]
+    check_range(finite)
+    if unit == "auto":
+        known, note = guess_unit(finite)
+        notes.append(note)
+    else:
+        known = unit
+    local, origin_m = to_local_metres(finite, known)
+    is_first = first_occurrences(local)
+    if not is_first.all():
+        n_repeats = len(local) - int(is_first.sum())
+        notes.append(_dropped("duplicates_dropped", n_repeats, n_points, "exact duplicates of another"))
+        local, kept = local[is_first], kept[is_first]
+    normals: Floats | None = None
+    if raw.normals is not None:
+        normals = unit_normals(raw.normals[kept])
+        if normals is None:
+            message = "The normals in the file were dropped: some are zero or not finite."
+            notes.append(Note("normals_dropped", READ_STAGE, message))
+    colors: Colors | None = None if raw.colors is None else raw.colors[kept]
+    return Scan(
+        points=local,
+        origin_m=origin_m,
+        name=name,
+        sha256=sha256,
+        unit=known,
+        n_points=n_points,
+        colors=colors,
+        normals=normals,
+        notes=tuple(notes),
+    )
+
+
+def _dropped(code: str, count: int, of: int, why: str) -> Note:
+    return Note(code, READ_STAGE, f"{count:,} of {of:,} points dropped: {why}.")
