@@ -275,7 +275,8 @@ def check_value(name: str, value: object, kind: Any, knob: Knob | None) -> None:
             raise ConfigError(f"{name}: got {value!r}; give one of {', '.join(get_args(kind))}")
     elif kind in (int, float):
         is_number = isinstance(value, int if kind is int else (int, float)) and not isinstance(value, bool)
-        if not is_number or not math.isfinite(typing.cast(float, value)):
+        # Only a float can be infinite; asking it of a whole number of 400 digits would overflow.
+        if not is_number or (isinstance(value, float) and not math.isfinite(value)):
             raise ConfigError(f"{name}: got {value!r}; give a {'whole ' if kind is int else ''}number")
         if knob is not None and not knob.low <= typing.cast(float, value) <= knob.high:
             raise ConfigError(f"{name}: got {value!r}; give a value from {knob.low:g} to {knob.high:g}")

@@ -13,7 +13,7 @@ _LINE_RATIO = 1e-6
 """Second singular value over first below which points count as lying on one line."""
 _RANSAC_SEED = 0
 _RANSAC_ITERATIONS = 1000
-_RANSAC_POINTS = 60_000
+_RANSAC_POINTS = 30_000
 """RANSAC draws from at most this many points; the least-squares refit then uses all."""
 
 
@@ -72,7 +72,8 @@ def fit_plane_rows(rows: Floats, upwards: Floats) -> tuple[PlaneFit, Floats]:
 
 def spread_rank(points: Floats) -> int:
     """Return 0, 1, 2 or 3: whether points coincide, lie on one line, in one plane, or fill space."""
-    rows = np.ascontiguousarray(points.T)
+    # Measured from the first point, so that points that coincide are zero and not a rounded mean away from it.
+    rows = np.ascontiguousarray((points - points[0]).T)
     scatter = scatter_of(rows - rows.mean(axis=1)[:, None])
     singular = np.sqrt(np.linalg.svd(scatter, compute_uv=False))
     if singular[0] == 0.0:

@@ -77,14 +77,21 @@ def find_axes(horizontal: Horizontal, surfaces: Surfaces, rule: AxesRule, method
     depth = np.array([-width[1], width[0]])
     notes = [] if climb_note is None else [climb_note]
     decided: Literal["global", "per_step", "rise"] = pooled
-    if rule == "auto" and method != "paper" and climb is not None:
+    if climb is not None:
         angle_deg = math.degrees(math.acos(min(1.0, abs(float(depth @ climb)))))
-        if angle_deg > _DISAGREE_DEG:
-            decided, depth = "rise", -climb
-        message = (
-            f"axes by the rule '{decided}': PCA of the centred steps is {angle_deg:.0f}° from the direction of rise"
-        )
-        notes.append(Note("axes_rule", "treads", message))
+        if rule == "auto" and method != "paper":
+            if angle_deg > _DISAGREE_DEG:
+                decided, depth = "rise", -climb
+            message = (
+                f"axes by the rule '{decided}': PCA of the centred steps is {angle_deg:.0f}° from the direction of rise"
+            )
+            notes.append(Note("axes_rule", "treads", message))
+        elif angle_deg > _DISAGREE_DEG:
+            message = (
+                f"the depth axis by the rule '{decided}' is {angle_deg:.0f}° from the direction in which the steps "
+                "rise: width and depth may be exchanged; try another axes rule"
+            )
+            notes.append(Note("axes_disagree", "treads", message))
     if decided != "rise" and ratio > _ROUND_RATIO:
         message = (
             f"the step points spread almost equally in both directions (variance ratio {ratio:.2f}): "

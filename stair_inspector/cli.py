@@ -1,0 +1,359 @@
+"""The command line: the only place that prints and exits. Heavy imports wait until a command needs them."""
+
+import contextlib
+import dataclasses
+import io
+import os
+import re
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeVar
+
+import tyro
+from typing_extensions import Doc
+
+from stair_inspector import __version__
+from stair_inspector.errors import ConfigError, StairError, WriteError
+from stair_inspector.files.settings import find_preset, list_presets
+from stair_inspector.params import NAMED_UP, Params
+from stair_inspector.simulate.specs import Scanner, Stair
+
+if TYPE_CHECKING:
+    from stair_inspector.model import Inspection
+
+T = TypeVar("T")
+
+_USAGE = """\
+usage: stair-inspector [COMMAND] [OPTIONS]
+
+Measures staircases in 3-D scans (PLY, PCD, XYZ, PTS, CSV).
+
+commands:
+  view SCAN ...             the web inspector; without a SCAN, or without any command, a bundled sample scan
+  measure SCAN ... -o DIR   headless: DIR/STEM.json, STEM.csv and STEM_debug.ply for every scan
+  simulate OUT.ply          a scan of a known staircase by a simulated scanner, and OUT.truth.json
+  presets                   list the presets
+
+  stair-inspector COMMAND --help lists a command's options; --version prints the version.
+
+exit codes: 0 done; 2 wrong usage or settings, or an output that cannot be written;
+            3 a scan could not be read or measured (the others are still done)
+"""
+
+
+@dataclass(frozen=True)
+class Common:
+    """Options of every command that reads a scan."""
+
+    preset: Annotated[
+        str, Doc("Name of a preset (see: stair-inspector presets) or a TOML file; other flags change its values.")
+    ] = "default"
+    debug: Annotated[tyro.conf.FlagCreatePairsOff[bool], Doc("Show the traceback of an error, for a bug report.")] = (
+        False
+    )
+    settings: Annotated[Params, tyro.conf.arg(name="")] = field(default_factory=Params)
+
+
+@dataclass(frozen=True)
+class View(Common):
+    """Open the web inspector on scans, on folders of scans, or on a bundled sample."""
+
+    scans: Annotated[
+        tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="SCAN"), Doc("Files or folders.")
+    ] = ()
+    host: Annotated[str, Doc("Address to listen on. Anyone who can reach it sees the scans: there is no password.")] = (
+        "127.0.0.1"
+    )
+    port: Annotated[int, Doc("Port to listen on; 0 takes a free one.")] = 8080
+    browser: Annotated[bool, Doc("Open the page in the system's browser.")] = True
+
+
+@dataclass(frozen=True)
+class Measure(Common):
+    """Measure scans without a browser and write JSON, CSV and a coloured debug PLY for each."""
+
+    scans: Annotated[
+        tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="SCAN"), Doc("Files or folders of scans.")
+    ] = tyro.MISSING
+    out: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="DIR"), Doc("Folder for the results.")] = tyro.MISSING
+
+
+@dataclass(frozen=True)
+class Simulate:
+    """Scan a staircase of known geometry with a simulated scanner; write the scan and its truth."""
+
+    out: Annotated[
+        tyro.conf.Positional[Path],
+        tyro.conf.arg(metavar="OUT"),
+        Doc("PLY file to write, with OUT.truth.json beside it; with --samples a folder."),
+    ] = tyro.MISSING
+    samples: Annotated[
+        tyro.conf.FlagCreatePairsOff[bool], Doc("Write the bundled sample scans, bit for bit, into the folder OUT.")
+    ] = False
+    profile: Annotated[str, Doc("Start from a scanner profile: its name, or 'none' for the scanner's defaults.")] = (
+        "none"
+    )
+    debug: Annotated[tyro.conf.FlagCreatePairsOff[bool], Doc("Show the traceback of an error, for a bug report.")] = (
+        False
+    )
+    stair: Stair = field(default_factory=Stair)
+    scanner: Scanner = field(default_factory=Scanner)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments without the program's name; by default those of the process.
+
+    Returns
+    -------
+    int
+        Exit code: 0 done; 2 wrong usage, settings or output folder; 3 a scan could not be read or measured.
+    """
+    args = list(sys.argv[1:] if argv is None else argv)
+    commands: dict[str, Callable[[list[str]], int]] = {
+        "view": _view,
+        "measure": _measure,
+        "simulate": _simulate,
+        "presets": _presets,
+    }
+    if args and args[0] in ("-h", "--help"):
+        print(_USAGE, end="")
+        return 0
+    if args and args[0] == "--version":
+        print(f"stair-inspector {__version__}")
+        return 0
+    # Without a command, options are those of view.
+    name = "view" if not args or args[0].startswith("-") else args.pop(0)
+    try:
+        if name not in commands:
+            raise ConfigError(f"{name[:60]!r} is no command; give one of {', '.join(commands)} (see --help)")
+        return commands[name](args)
+    except StairError as error:
+        if "--debug" in args:
+            traceback.print_exc()
+        return _report(error)
+    except BrokenPipeError:
+        # The reader of stdout, such as head, has seen enough. Nothing more can be printed.
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - must outlive this function
+        return 0
+    except KeyboardInterrupt:
+        return 130
+
+
+def _view(args: list[str]) -> int:
+    view = _parse(View, "view", args, View(settings=_preset_params(args)))
+    from stair_inspector.files.paths import sample_scans
+    from stair_inspector.files.scans import find_scans
+    from stair_inspector.simulate.samples import DEFAULT_SAMPLE
+
+    paths = find_scans(view.scans or [sample_scans()])
+    if not view.scans:
+        paths.sort(key=lambda path: path.stem != DEFAULT_SAMPLE)
+    from stair_inspector.viewer.app import App, is_loopback
+
+    app = App(paths, view.settings, view.host, view.port)
+    shown_host = f"[{view.host}]" if ":" in view.host else view.host
+    address = f"http://{shown_host}:{app.port}"
+    print(f"stair-inspector is at {address} (Ctrl+C ends it)", flush=True)
+    if not is_loopback(view.host):
+        print(
+            f"stair-inspector: warning: everyone who can reach {view.host} sees these scans and can move the sliders "
+            "of a page of their own; there is no password. Use --host 127.0.0.1 to keep it to this machine",
+            file=sys.stderr,
+            flush=True,
+        )
+    if view.browser:
+        import webbrowser
+
+        webbrowser.open(address)
+    try:
+        app.wait()
+    except KeyboardInterrupt:
+        print()
+    finally:
+        app.stop()
+    return 0
+
+
+def _measure(args: list[str]) -> int:
+    measure = _parse(Measure, "measure", args, Measure(settings=_preset_params(args)))
+    if not measure.scans:
+        raise ConfigError("measure: no scan given; name at least one file or folder")
+    _check_folder(measure.out)
+    from stair_inspector.files.exports import write_inspection
+    from stair_inspector.files.scans import find_scans, read_scan
+    from stair_inspector.pipeline import inspect
+
+    paths: list[Path] = []
+    worst = 0
+    for given in measure.scans:
+        try:
+            paths += find_scans([given])
+        except StairError as error:
+            worst = max(worst, _report(error))
+    paths = list(dict.fromkeys(paths))
+    _check_stems(paths)
+    for path in paths:
+        try:
+            scan = read_scan(path, measure.settings.unit)
+            inspection = inspect(scan, measure.settings)
+            written = write_inspection(scan, inspection, measure.out, path.stem)
+        except StairError as error:
+            if measure.debug:
+                traceback.print_exc()
+            worst = max(worst, _report(error))
+            continue
+        print(_summary(inspection))
+        print("  wrote " + ", ".join(str(file) for file in written) + "\n")
+    return worst
+
+
+def _simulate(args: list[str]) -> int:
+    from stair_inspector.simulate.specs import PROFILES
+
+    profile = _value_of(args, "--profile") or "none"
+    if profile != "none" and profile not in PROFILES:
+        raise ConfigError(f"--profile: got {profile[:60]!r}; give one of none, {', '.join(PROFILES)}")
+    start = Simulate(scanner=PROFILES.get(profile, Scanner()))
+    simulate = _parse(Simulate, "simulate", args, start)
+    from stair_inspector.files.simulations import simulate_to_file, write_samples
+
+    written = write_samples(simulate.out) if simulate.samples else []
+    if not simulate.samples:
+        if simulate.out.suffix.lower() != ".ply":
+            raise ConfigError(f"{simulate.out}: the simulated scan is a PLY file; give a name that ends in .ply")
+        written = simulate_to_file(simulate.out, simulate.stair, simulate.scanner)
+    print("wrote " + "\n      ".join(str(path) for path in written))
+    return 0
+
+
+def _presets(args: list[str]) -> int:
+    if args and args[0] in ("-h", "--help"):
+        print("usage: stair-inspector presets\n\nLists the presets that come with the program.")
+        return 0
+    if args:
+        raise ConfigError(f"presets: got {args[0][:60]!r}; this command has no options")
+    presets = list_presets()
+    width = max(len(preset.name) for preset in presets)
+    for preset in presets:
+        print(f"{preset.name:<{width}}  {preset.description}")
+    return 0
+
+
+def _parse(kind: type[T], command: str, args: list[str], default: T) -> T:
+    """Let tyro read the arguments; turn its boxed message into the one line that every error gets."""
+    boxed = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(boxed):
+            return tyro.cli(
+                kind,
+                prog=f"stair-inspector {command}",
+                args=_join_negative_up(args),
+                default=default,
+                config=(tyro.conf.OmitSubcommandPrefixes,),
+            )
+    except SystemExit as leaving:
+        if leaving.code in (0, None):
+            raise
+        raise ConfigError(f"{command}: {_flatten(boxed.getvalue())}") from leaving
+
+
+def _flatten(boxed: str) -> str:
+    """Return tyro's message as one plain sentence: no frame, no colours, no copy of the help text."""
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", boxed)
+    plain = re.sub(r"[╭╮╰╯─│┌┐└┘├┤┬┴┼━┃]+", " ", plain)
+    text = " ".join(plain.split())
+    for pattern, replacement in (
+        (r"\s*For full helptext,.*$", ""),
+        (r"\s*Argument helptext:.*$", ""),
+        (r"^(Value error|Parsing error|Unrecognized options|Invalid choice)\s+", ""),
+        (r"^Error parsing settings\S*: ", ""),
+        (r"^Error parsing (stair|scanner): ", ""),
+        (r"^Error parsing (--\S+): ", r"\1: "),
+        (r"Missing from [\w -]+:", "missing:"),
+        (r"\s*Perhaps you meant: (--[\w.-]+).*$", r"; did you mean \1?"),
+        (r"invalid literal for int\(\) with base 10: ('.*')", r"got \1; give a whole number"),
+        (r"could not convert string to float: ('.*')", r"got \1; give a number"),
+    ):
+        text = re.sub(pattern, replacement, text)
+    return text.rstrip(".") + "; see --help"
+
+
+def _join_negative_up(args: list[str]) -> list[str]:
+    """Write ``--up -x`` as ``--up=-x``: a word that begins with a dash would be taken for a flag."""
+    joined: list[str] = []
+    for word in args:
+        is_negative = word in NAMED_UP or re.fullmatch(r"-[\d.][\d.,eE+-]*", word) is not None
+        if joined and joined[-1] == "--up" and word.startswith("-") and is_negative:
+            joined[-1] = f"--up={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
+def _preset_params(args: list[str]) -> Params:
+    name = _value_of(args, "--preset")
+    return find_preset(name).params if name is not None else find_preset("default").params
+
+
+def _value_of(args: list[str], flag: str) -> str | None:
+    """Return the value of a flag that must be known before the others are read; the last one counts."""
+    value = None
+    for position, word in enumerate(args):
+        if word == flag:
+            value = args[position + 1] if position + 1 < len(args) else None
+        elif word.startswith(f"{flag}="):
+            value = word.partition("=")[2]
+    return value
+
+
+def _check_folder(folder: Path) -> None:
+    """Raise before the work, not after it, when results could not be written."""
+    existing = next((parent for parent in (folder, *folder.parents) if parent.exists()), folder)
+    if not existing.is_dir():
+        raise WriteError(f"{existing}: is a file, not a folder; give another folder with -o")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise WriteError(f"{existing}: cannot be written (permission denied); give another folder with -o")
+
+
+def _check_stems(paths: list[Path]) -> None:
+    """Raise when two scans would write to the same files."""
+    first: dict[str, Path] = {}
+    for path in paths:
+        other = first.setdefault(path.stem, path)
+        if other is not path:
+            raise ConfigError(f"{path} and {other} would both be written as {path.stem}.json; measure them apart")
+
+
+def _report(error: StairError) -> int:
+    """Print an error as one line and return its exit code."""
+    line = " ".join(str(error).split())
+    print(f"stair-inspector: {line}", file=sys.stderr)
+    return 2 if isinstance(error, (ConfigError, WriteError)) else 3
+
+
+def _summary(inspection: "Inspection") -> str:
+    """Return the table that ``measure`` prints for one scan: the paper's values, millimetres and degrees."""
+    scan = inspection.scan
+    steps = f"{len(inspection.steps)} step{'' if len(inspection.steps) == 1 else 's'}"
+    lines = [f"{scan.name}: {scan.n_used:,} of {scan.n_points:,} points, {steps}"]
+    columns = ("step", "points", "h_mm", "d_FB_mm", "d_FF_mm", "W_mm", "theta_deg", "RMS_mm")
+    if inspection.steps:
+        lines.append("  " + "".join(f"{name:>11}" for name in columns))
+    for step in inspection.steps:
+        values = dataclasses.astuple(step.paper)[:5]
+        lengths = [None if v is None else v * 1000.0 for v in values[:4]]
+        rms_mm = None if step.plane.rms_m is None else step.plane.rms_m * 1000.0
+        cells = [f"{step.step_id:>11}", f"{step.plane.n_points:>11}"]
+        cells += [f"{'-':>11}" if v is None else f"{v:>11.1f}" for v in (*lengths, values[4])]
+        cells.append(f"{'-':>11}" if rms_mm is None else f"{rms_mm:>11.2f}")
+        lines.append("  " + "".join(cells))
+    lines += [f"  {note.message}" for note in inspection.notes]
+    return "\n".join(lines)

@@ -1,0 +1,167 @@
+"""The web server: where it listens, whom it lets in, and a session for every page."""
+
+import contextlib
+import io
+import ipaddress
+import os
+import socket
+import threading
+import uuid
+from collections.abc import Sequence
+from pathlib import Path
+
+import viser
+import viser._messages
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.files.palettes import read_palette
+from stair_inspector.params import Params
+from stair_inspector.viewer.cameras import FOV_RAD
+from stair_inspector.viewer.session import Session
+from stair_inspector.viewer.worker import Workshop
+
+
+class App:
+    """A running inspector.
+
+    Parameters
+    ----------
+    scans : sequence of Path
+        Files that can be chosen; at least one. The first is opened.
+    params : Params
+        Settings every page begins with.
+    host, port
+        Where to listen; port 0 takes a free one.
+
+    Raises
+    ------
+    ConfigError
+        The port is taken, or the host is no address of this machine.
+    """
+
+    def __init__(self, scans: Sequence[Path], params: Params, host: str = "127.0.0.1", port: int = 8080) -> None:
+        self._port = _check_address(host, port)
+        self._scans = label_scans(scans)
+        self._params = params
+        self._palette = read_palette("page")
+        self._run_id = uuid.uuid4().hex
+        self._sessions: dict[int, Session] = {}
+        self._lock = threading.Lock()
+        self._ended = threading.Event()
+        self._workshop = Workshop()
+        # It would take precedence over the port that was asked for and checked.
+        os.environ.pop("_VISER_PORT_OVERRIDE", None)
+        # viser prints a banner of its own, whatever ``verbose`` says.
+        with contextlib.redirect_stdout(io.StringIO()):
+            self._server = viser.ViserServer(host=host, port=self._port, verbose=False)
+        # The address must be known to whoever prints it: viser moves to another port when its own is taken.
+        self._port = self._server.get_port()
+        _remove_share_tunnel(self._server)
+        self._server.gui.configure_theme(show_logo=False, show_share_button=False)
+        self._server.initial_camera.fov = FOV_RAD
+        self._server.on_client_connect(self._connect)
+        self._server.on_client_disconnect(self._disconnect)
+
+    @property
+    def port(self) -> int:
+        """The port that is really listened on."""
+        return self._port
+
+    @property
+    def n_sessions(self) -> int:
+        """How many pages are open."""
+        with self._lock:
+            return len(self._sessions)
+
+    def wait(self) -> None:
+        """Block until :meth:`stop`."""
+        # In slices, so that Ctrl+C is noticed on every system.
+        while not self._ended.wait(0.5):
+            pass
+
+    def stop(self) -> None:
+        """End the server, all sessions and the heavy process."""
+        with self._lock:
+            sessions, self._sessions = list(self._sessions.values()), {}
+        for session in sessions:
+            session.close()
+        self._workshop.close()
+        self._server.stop()
+        self._ended.set()
+
+    def _connect(self, client: viser.ClientHandle) -> None:
+        session = Session(client, self._workshop, self._scans, self._params, self._palette, self._run_id)
+        with self._lock:
+            self._sessions[client.client_id] = session
+        # The page may have gone while its session was being made.
+        if client.client_id not in self._server.get_clients():
+            self._disconnect(client)
+
+    def _disconnect(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            session = self._sessions.pop(client.client_id, None)
+        if session is not None:
+            session.close()
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether only programs of this machine can reach the host address."""
+    if host == "localhost":
+        return True
+    with contextlib.suppress(ValueError):
+        return ipaddress.ip_address(host).is_loopback
+    return False
+
+
+def label_scans(scans: Sequence[Path]) -> dict[str, Path]:
+    """Return the files by name; where two have the same name, by as much of the path as tells them apart."""
+    labels: dict[str, Path] = {}
+    for path in scans:
+        twins = [other for other in scans if other.name == path.name]
+        depth = 1
+        while len({other.parts[-depth:] for other in twins}) < len(twins) and depth < len(path.parts):
+            depth += 1
+        labels["/".join(path.parts[-depth:])] = path
+    return labels
+
+
+def _check_address(host: str, port: int) -> int:
+    """Try to bind before viser does, which hangs on a bad host and moves on from a busy port; return the port."""
+    if not 0 <= port <= 65535:
+        raise ConfigError(f"--port: got {port}; give 0 to 65535")
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+    except (socket.gaierror, UnicodeError) as error:
+        raise ConfigError(
+            f"--host: {host[:80]!r} is not known; give an address of this machine such as 127.0.0.1"
+        ) from error
+    with socket.socket(family, kind, protocol) as probe:
+        # A port that the last server has just left counts as free, as it will for the real socket.
+        if os.name == "posix":
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(address)
+            probe.listen(1)
+        except PermissionError as error:
+            raise ConfigError(
+                f"--port: {port} needs special rights; choose one above 1023, or 0 for a free one"
+            ) from error
+        except OSError as error:
+            if error.errno in (98, 48, 10048):
+                raise ConfigError(
+                    f"--port: {port} on {host} is in use by another program; choose another, or 0 for a free one"
+                ) from error
+            raise ConfigError(f"--host: cannot listen on {host[:80]!r} ({error.strerror}); try 127.0.0.1") from error
+        return int(probe.getsockname()[1])
+
+
+def _remove_share_tunnel(server: viser.ViserServer) -> None:
+    """Take away the messages by which any page could open a public tunnel to this server.
+
+    Hiding the button would not do: a page can send the message all the same. These names are private to viser, hence
+    the exact version in ``pyproject.toml`` and a test that sends the message.
+    """
+    for message in (viser._messages.ShareUrlRequest, viser._messages.ShareUrlDisconnect):
+        server._websock_server.unregister_handler(message)

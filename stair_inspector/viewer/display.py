@@ -1,0 +1,54 @@
+"""What of a scan is drawn: a subset of its points, and how large they must be to look like a surface."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stair_inspector.geometry.arrays import Colors, Floats, Ints, own
+from stair_inspector.model import Scan
+
+MAX_POINTS = 600_000
+"""Points sent to a page; 15 bytes each. The measurement always uses all of them."""
+_CELL_M = 0.02
+_PLAIN_COLOR = (172, 176, 182)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Display:
+    """The drawn subset: ``point_ids`` (m,) into the scan, ``points`` (m, 3) local, ``colors``, spacing in metres."""
+
+    point_ids: Ints
+    points: Floats
+    colors: Colors
+    spacing_m: float
+
+
+def choose_display(scan: Scan, most: int = MAX_POINTS) -> Display:
+    """Choose at most ``most`` points, evenly at random with a fixed seed, in the scan's own order."""
+    n = len(scan.points)
+    ids = np.arange(n)
+    if n > most:
+        ids = np.sort(np.random.default_rng(0).choice(n, most, replace=False))
+    points = scan.points[ids]
+    return Display(
+        point_ids=own(ids, (None,), "point_ids", np.int64),
+        points=own(points, (None, 3), "points"),
+        colors=own(_colors(scan, ids), (None, 3), "colors", np.uint8),
+        spacing_m=estimate_spacing(points),
+    )
+
+
+def estimate_spacing(points: Floats) -> float:
+    """Estimate the distance of neighbouring points on a surface, metres, from the number of occupied 2 cm cells."""
+    cells = np.floor((points - points.min(axis=0)) / _CELL_M).astype(np.int64)
+    size = cells.max(axis=0) + 1
+    n_occupied = len(np.unique((cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]))
+    # An occupied cell holds about one cell face of surface.
+    return float(_CELL_M * np.sqrt(n_occupied / len(points)))
+
+
+def _colors(scan: Scan, ids: Ints) -> Colors:
+    """Return the scan's own colours; a plain gray where it has none, or one colour for all as some exporters write."""
+    if scan.colors is not None and (scan.colors != scan.colors[0]).any():
+        return scan.colors[ids]
+    return np.tile(np.array(_PLAIN_COLOR, dtype=np.uint8), (len(ids), 1))

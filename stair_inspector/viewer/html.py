@@ -1,0 +1,344 @@
+"""The parts of the page that viser has no widget for, as HTML and SVG made from an inspection.
+
+Every text that could come from a file is escaped. Colours of the theme are taken from its variables, so that light
+and dark both read well.
+"""
+
+import html
+import json
+from collections.abc import Mapping
+
+import numpy as np
+
+from stair_inspector.files.palettes import Palette, Rgb
+from stair_inspector.geometry.fits import PlaneFit
+from stair_inspector.model import HeightProfile, Inspection, Level, Step
+
+_DIM = "var(--mantine-color-dimmed)"
+_LINE = "var(--mantine-color-default-border)"
+_HOVER = "var(--mantine-color-default-hover)"
+_CHOSEN = "rgba(0, 214, 230, 0.22)"
+
+_COLUMNS = (
+    ("#", "", "Step, from bottom to top"),
+    ("h", "mm", "Height from this centroid to the next: (c_k+1 - c_k) · u"),
+    ("d_FB", "mm", "Depth front to back: f_k - b_k"),
+    ("d_FF", "mm", "Depth front to front: |f_k+1 - f_k|"),
+    ("W", "mm", "Width between the side edges"),
+    ("θ", "°", "Slope from this centroid to the next against the plane"),
+    ("points", "", "Points of the level"),
+    ("RMS", "mm", "Root mean square distance of the points from their plane; it is not the accuracy"),
+)
+
+_WIDTH = 400
+_HEIGHT = 132
+_BASE = 108
+
+
+def text(value: object) -> str:
+    """Return a value as text that is safe inside HTML and inside a quoted attribute."""
+    return html.escape(str(value), quote=True)
+
+
+def table_html(inspection: Inspection | None, palette: Palette, selected: int | None, pick_uuid: str | None) -> str:
+    """Return the side table: the floor, then a row for each step, millimetres and degrees.
+
+    Parameters
+    ----------
+    inspection : Inspection, optional
+        None shows the empty table.
+    palette : Palette
+        Colours of the chips.
+    selected : int, optional
+        Step whose row is emphasised.
+    pick_uuid : str, optional
+        Identity of the control that a click on a row writes to; None for rows that cannot be clicked.
+    """
+    head = "".join(
+        f'<th title="{text(hint)}" style="text-align:right;padding:3px 6px;font-weight:600;white-space:nowrap;'
+        f'position:sticky;top:0">{text(name)}<div style="font-weight:400;font-size:10px;color:{_DIM}">'
+        f"{text(unit) or '&nbsp;'}</div></th>"
+        for name, unit, hint in _COLUMNS
+    )
+    rows = []
+    if inspection is not None and inspection.floor is not None:
+        rows.append(_floor_row(inspection.floor, inspection.floor_h_m, palette))
+    for step in inspection.steps if inspection is not None else ():
+        rows.append(_step_row(step, palette, step.step_id == selected, pick_uuid))
+    if inspection is not None and not inspection.steps:
+        rows.append(f'<tr><td colspan="{len(_COLUMNS)}" style="padding:10px 6px;color:{_DIM}">No steps.</td></tr>')
+    return (
+        '<div data-testid="steps" class="si-results" style="font-size:12px;overflow-x:auto;padding-right:6px">'
+        '<table data-testid="steps-table" style="border-collapse:collapse;width:100%;'
+        'font-variant-numeric:tabular-nums;line-height:1.25">'
+        f'<thead><tr style="border-bottom:1px solid {_LINE}">{head}</tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table></div>"
+    )
+
+
+def histogram_html(inspection: Inspection | None, palette: Palette) -> str:
+    """Return the height histogram with a band for each cluster and the reach eps_z to scale."""
+    if inspection is None or not len(inspection.profile.counts):
+        return f'<div data-testid="histogram" style="height:{_HEIGHT}px"></div>'
+    profile = inspection.profile
+    low, span = profile.low_m, profile.bin_m * len(profile.counts)
+    eps_m = inspection.params.levels.eps_m
+
+    def at(height_m: float) -> float:
+        return 8.0 + (height_m - low) / span * (_WIDTH - 16.0)
+
+    def band(level: Level) -> str:
+        # A sharp level is thinner than a pixel: it is widened about its middle to be seen.
+        width = max(5.0, at(level.high_m) - at(level.low_m))
+        left = (at(level.high_m) + at(level.low_m) - width) / 2.0
+        color = f"rgb{_color(level, palette, inspection)}"
+        return (
+            f'<g data-level="{level.level_id}"><title>{text(_band_title(level))}</title>'
+            f'<rect x="{left:.1f}" y="14" width="{width:.1f}" height="{_BASE - 14}" fill="{color}" opacity="0.4"/>'
+            f'<rect x="{left:.1f}" y="{_BASE}" width="{width:.1f}" height="5" fill="{color}"/></g>'
+        )
+
+    bands = "".join(band(level) for level in inspection.levels)
+    ticks = "".join(
+        f'<text x="{at(height):.1f}" y="{_HEIGHT - 6}" text-anchor="middle" font-size="10" '
+        f'fill="currentColor" opacity="0.75">{height:.{digits}f}</text>'
+        for digits, height in _ticks(low, span)
+    )
+    reach = max(1.0, at(low + eps_m) - at(low))
+    return (
+        '<div data-testid="histogram" class="si-results" style="padding:2px 0">'
+        f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" role="img" '
+        f'aria-label="Heights of upright points; {len(inspection.levels)} clusters">'
+        f'<text x="8" y="9" font-size="10" fill="currentColor" opacity="0.75">upright points by height [m], '
+        "√ scale</text>"
+        f'<line x1="{_WIDTH - 8 - reach:.1f}" x2="{_WIDTH - 8}" y1="6" y2="6" stroke="currentColor" stroke-width="3"/>'
+        f'<text x="{_WIDTH - 12 - reach:.1f}" y="9" text-anchor="end" font-size="10" fill="currentColor" opacity="0.9">'
+        f"ε_z {eps_m * 1000.0:g} mm</text>"
+        f"{bands}<path d='{_outline(profile)}' fill='currentColor' opacity='0.72'/>{ticks}</svg></div>"
+    )
+
+
+def legend_html(palette: Palette) -> str:
+    """Return the legend of the scene."""
+    steps = "".join(_chip(color, 10) for color in palette.steps)
+    entries = [
+        f"{_chip(palette.floor)} floor",
+        f"{steps} steps, in turn",
+        f"{_chip(palette.non_stair)} no level",
+        f"{_chip(palette.front_edge, 16, 4)} front edge",
+        f"{_chip(palette.back_edge, 16, 4)} back edge",
+        f"{_chip(palette.side_edge, 16, 4)} side edges",
+        f"{_chip(palette.centre, 8)} centre",
+    ]
+    items = "".join(f'<span style="white-space:nowrap">{entry}</span>' for entry in entries)
+    return (
+        f'<div data-testid="legend" style="display:flex;flex-wrap:wrap;gap:3px 12px;font-size:11px;color:{_DIM};'
+        f'padding:4px 2px">{items}</div>'
+    )
+
+
+def state_html(inspection: Inspection | None, *, busy: str | None, error: str | None, is_stale: bool) -> str:
+    """Return the line that says what is going on, and the sentence of an error.
+
+    Parameters
+    ----------
+    inspection : Inspection, optional
+        The last good result.
+    busy : str, optional
+        What is being computed now.
+    error : str, optional
+        Why the last request gave no result.
+    is_stale : bool
+        The result shown is not that of the present settings.
+    """
+    if error is not None:
+        badge = _badge("✕", "#e03131", "no result for these settings")
+    elif busy is not None:
+        badge = _badge("◌", "#e8890c", busy)
+    else:
+        badge = _badge("●", "#2f9e44", "up to date")
+    lines = [f'<div data-testid="state" data-state="{_state(busy, error)}">{badge}{_headline(inspection)}</div>']
+    if error is not None:
+        lines.append(f'<div data-testid="error" role="alert" style="color:#e03131;padding:3px 0">{text(error)}</div>')
+    if is_stale and inspection is not None:
+        lines.append(
+            f'<div style="color:{_DIM}">Shown dimmed: the last good result, with the settings named below it.</div>'
+        )
+        # Not part of any element's style: the table itself need not be sent again to be dimmed.
+        lines.append("<style>.si-results{opacity:.45}</style>")
+    return f'<div data-testid="status" style="font-size:12px;line-height:1.4;padding:2px">{"".join(lines)}</div>'
+
+
+def details_html(inspection: Inspection | None) -> str:
+    """Return the notes, the settings that were used and the time per stage of a result."""
+    if inspection is None:
+        return '<div data-testid="details"></div>'
+    lines = []
+    notes = "".join(
+        f'<li style="padding:1px 0" title="{text(note.code)}">{text(note.message)}</li>' for note in inspection.notes
+    )
+    if notes:
+        lines.append(f'<ul data-testid="notes" style="margin:0 0 4px;padding-left:16px">{notes}</ul>')
+    lines.append(f'<div data-testid="used" style="color:{_DIM}">{_used(inspection)}</div>')
+    lines.append(f'<div data-testid="timings" style="color:{_DIM}">{_timings(inspection.timings_s)}</div>')
+    return (
+        '<div data-testid="details" class="si-results" style="font-size:11.5px;line-height:1.4;padding:2px">'
+        f"{''.join(lines)}</div>"
+    )
+
+
+def header_html(name: str, n_used: int | None, n_shown: int | None) -> str:
+    """Return the scan's name and size."""
+    size = ""
+    if n_used is not None and n_shown is not None:
+        size = f"{n_used:,} points" + (f", {n_shown:,} drawn" if n_shown < n_used else "")
+    return (
+        f'<div data-testid="scan" style="padding:2px;overflow-wrap:anywhere"><b style="font-size:14px">{text(name)}</b>'
+        f'<span style="font-size:12px;color:{_DIM}">{" · " if size else ""}{size}</span></div>'
+    )
+
+
+def _state(busy: str | None, error: str | None) -> str:
+    if error is not None:
+        return "error"
+    return "busy" if busy is not None else "ready"
+
+
+def _badge(sign: str, color: str, words: str) -> str:
+    return f'<b style="color:{color};white-space:nowrap"><span aria-hidden="true">{sign}</span> {text(words)}</b> '
+
+
+def _headline(inspection: Inspection | None) -> str:
+    if inspection is None:
+        return ""
+    n = len(inspection.steps)
+    total_ms = sum(inspection.timings_s.values()) * 1000.0
+    notes = f" · {len(inspection.notes)} notes below" if len(inspection.notes) > 1 else ""
+    return f'<span data-testid="n-steps">· {n} step{"" if n == 1 else "s"}</span> · {total_ms:,.0f} ms{notes}'
+
+
+def _used(inspection: Inspection) -> str:
+    params = inspection.params
+    axes = inspection.axes.rule if inspection.axes is not None else "none"
+    up = inspection.up
+    vector = ", ".join(f"{component:.3f}" for component in up.vector)
+    parts = [
+        params.method,
+        f"θ_th {params.horizontal.theta_deg:g}°",
+        f"ε_z {params.levels.eps_m * 1000.0:g} mm",
+        f"m {params.levels.min_points}",
+        f"α {params.edges.front_percentile:g}/{params.edges.back_percentile:g} %",
+        f"sides {params.edges.side_percentile:g} %",
+        f"k {params.normals.k}" if params.normals.source == "estimate" else "normals given",
+        f"axes {params.axes.rule} → {axes}" if params.axes.rule != axes else f"axes {axes}",
+        f"up ({vector}) {up.source}",
+        f"unit {inspection.scan.unit}",
+    ]
+    return "used: " + " · ".join(text(part) for part in parts)
+
+
+def _timings(timings_s: Mapping[str, float]) -> str:
+    if not timings_s:
+        return "time: nothing had to be run again"
+    parts = [f"{text(stage)} {seconds * 1000.0:.1f}" for stage, seconds in timings_s.items()]
+    return "ms: " + " · ".join(parts)
+
+
+def _floor_row(floor: PlaneFit, h_m: float | None, palette: Palette) -> str:
+    cells = [_mm(h_m), "", "", "", "", f"{floor.n_points:,}", _mm(floor.rms_m, 2)]
+    body = "".join(f'<td style="text-align:right;padding:2px 6px">{cell}</td>' for cell in cells)
+    return (
+        f'<tr data-testid="floor-row" style="border-bottom:1px solid {_LINE};color:{_DIM}">'
+        f'<td style="padding:2px 6px;white-space:nowrap">{_chip(palette.floor)} floor</td>{body}</tr>'
+    )
+
+
+def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str | None) -> str:
+    paper = step.paper
+    cells = [
+        _mm(paper.h_m),
+        _mm(paper.d_fb_m),
+        _mm(paper.d_ff_m),
+        _mm(paper.w_m),
+        "–" if paper.theta_deg is None else f"{paper.theta_deg:.2f}",
+        f"{step.plane.n_points:,}",
+        _mm(step.plane.rms_m, 2),
+    ]
+    body = "".join(f'<td style="text-align:right;padding:2px 6px">{cell}</td>' for cell in cells)
+    style = f"border-bottom:1px solid {_LINE};cursor:pointer;"
+    style += f"background:{_CHOSEN};font-weight:600" if is_selected else ""
+    click = "" if pick_uuid is None else f' onclick="{text(pick_script(pick_uuid, step.step_id))}"'
+    return (
+        f'<tr data-testid="step-row" data-step="{step.step_id}" aria-selected="{"true" if is_selected else "false"}" '
+        f'style="{style}"{click}><td style="padding:2px 6px;white-space:nowrap">'
+        f"{_chip(palette.of_step(step.step_id))} {step.step_id}</td>{body}</tr>"
+    )
+
+
+def pick_script(pick_uuid: str, step_id: int) -> str:
+    """Return the script of a row: it writes the step into a hidden control, as if typed there.
+
+    viser has no clickable table. This uses the hook that its own tests use, hence the exact version in
+    ``pyproject.toml`` and a browser test of it; choosing a step by its menu or in the scene works without. The time
+    makes a second click on the same row a new value.
+    """
+    # A JSON string is a script string too.
+    return (
+        "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',uuid:"
+        + json.dumps(pick_uuid)
+        + ",updates:{value:'"
+        + str(int(step_id))
+        + ":'+Date.now()}})"
+    )
+
+
+def _mm(value_m: float | None, digits: int = 1) -> str:
+    return "–" if value_m is None else f"{value_m * 1000.0:.{digits}f}"
+
+
+def _chip(color: Rgb, width: int = 11, height: int = 11) -> str:
+    # The thin outline keeps black and white chips visible on either theme.
+    return (
+        f'<span style="display:inline-block;width:{width}px;height:{height}px;border-radius:2px;'
+        f'background:rgb{color};outline:1px solid {_LINE};vertical-align:-1px;margin-right:2px"></span>'
+    )
+
+
+def _color(level: Level, palette: Palette, inspection: Inspection) -> Rgb:
+    if level.kind == "floor":
+        return palette.floor
+    if level.level_id > len(inspection.steps):
+        return palette.non_stair
+    return palette.of_step(level.level_id)
+
+
+def _band_title(level: Level) -> str:
+    name = "floor" if level.kind == "floor" else f"level {level.level_id}"
+    thick = (level.high_m - level.low_m) * 1000.0
+    return f"{name}: {level.height_m:.3f} m, band of {thick:.0f} mm, {level.n_points:,} points"
+
+
+def _outline(profile: HeightProfile) -> str:
+    """Return the path of the histogram, one column for each pixel, square-root scale."""
+    counts = profile.counts
+    n_columns = int(_WIDTH - 16)
+    # The sum over the bins of a column, so that no narrow peak falls between two pixels.
+    ends = np.linspace(0, len(counts), min(n_columns, len(counts)) + 1).astype(int)
+    columns = np.add.reduceat(counts, ends[:-1])
+    tall = np.sqrt(columns / max(1, columns.max())) * (_BASE - 16)
+    step = n_columns / len(columns)
+    points = [f"M8 {_BASE}"]
+    for index, height in enumerate(tall):
+        points.append(f"V{_BASE - height:.1f}H{8 + (index + 1) * step:.1f}")
+    return "".join(points) + f"V{_BASE}Z"
+
+
+def _ticks(low: float, span: float) -> list[tuple[int, float]]:
+    """Return about six round heights within the histogram with their number of decimals."""
+    wanted = span / 6.0
+    power = 10.0 ** np.floor(np.log10(wanted))
+    step = float(next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted))
+    digits = max(0, int(-np.floor(np.log10(step))))
+    first = np.ceil(low / step) * step
+    # Adding zero turns -0.0 into 0.0.
+    return [(digits, round(float(height), 6) + 0.0) for height in np.arange(first, low + span, step)]

@@ -1,0 +1,418 @@
+"""One inspector: a page, its settings, its last good result, and the thread that computes for it."""
+
+import io
+import json
+import logging
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import viser
+from PIL import Image
+
+from stair_inspector.errors import ConfigError, StairError
+from stair_inspector.files.exports import csv_bytes, debug_ply_bytes, json_bytes
+from stair_inspector.files.palettes import Palette
+from stair_inspector.files.settings import params_from_dict, params_to_dict
+from stair_inspector.model import Inspection, Scan
+from stair_inspector.params import Params
+from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.viewer import html
+from stair_inspector.viewer.cameras import FOV_RAD, VIEWS, View, frame_view
+from stair_inspector.viewer.display import Display, choose_display
+from stair_inspector.viewer.panel import NO_STEP, Actions, Panel
+from stair_inspector.viewer.scene import MODES, Stage, draw, view_from_local
+from stair_inspector.viewer.worker import Newest, Workshop
+
+logger = logging.getLogger(__name__)
+
+_PATIENCE_S = 0.2
+"""A run that takes no longer changes the page at once; a longer one is announced."""
+_STORAGE_KEY = "stair_inspector.session"
+_RENDER_TIMEOUT_S = 60.0
+_STAGE_WORDS = {
+    "read": "reading the file",
+    "normals": "estimating normals",
+    "up": "looking for the floor",
+    "heights": "sorting by height",
+}
+_STAGE_PERCENT = {"read": 5.0, "normals": 25.0, "up": 80.0, "heights": 90.0}
+"""Where the bar stands when a stage begins; the normals take most of the time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What a run is asked for."""
+
+    path: Path
+    params: Params
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """The last good result, with the scan it belongs to and what of it is drawn."""
+
+    path: Path
+    scan: Scan
+    display: Display
+    inspection: Inspection
+
+
+class Session:
+    """The page of one connected browser.
+
+    Parameters
+    ----------
+    client : viser.ClientHandle
+        The browser.
+    workshop : Workshop
+        Shared with the other inspectors.
+    scans : dict
+        Files by their name in the scan menu.
+    params : Params
+        Settings to begin with and to reset to.
+    palette : Palette
+        Colours of the page.
+    run_id : str
+        Identity of this server's run: settings kept by the browser are taken up again only within it.
+    """
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        workshop: Workshop,
+        scans: dict[str, Path],
+        params: Params,
+        palette: Palette,
+        run_id: str,
+    ) -> None:
+        self._client = client
+        self._workshop = workshop
+        self._scans = scans
+        self._preset = params
+        self._palette = palette
+        self._run_id = run_id
+        self._lock = threading.RLock()
+        self._shown: Shown | None = None
+        self._selected: int | None = None
+        self._error: str | None = None
+        self._stage: str | None = None
+        self._began = 0.0
+        self._is_closed = False
+        self._wanted_label = next(iter(scans))
+        self._stage_view = Stage(client)
+        client.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(24, 110, 160))
+        actions = Actions(
+            on_settings=self._guard(self._on_settings),
+            on_reset=self._guard(self._on_reset),
+            on_scan=self._guard(self._on_scan),
+            on_mode=self._guard(self._on_mode),
+            on_view=self._guard(self._on_view),
+            on_theme=self._guard(self._on_theme),
+            on_point_size=self._guard(self._on_point_size),
+            on_select=self._guard(self._on_select),
+            on_pick=self._guard(self._on_pick),
+            on_download=self._guard(self._on_download),
+        )
+        self._panel = Panel(client, tuple(scans), params, actions)
+        self._panel.legend.content = html.legend_html(palette)
+        self._memo = Memo(heavy=workshop.heavy, on_stage=self._enter_stage)
+        self._worker = Newest(self._run, name=f"stair-session-{client.client_id}")
+        self._restore()
+        self._show_waiting()
+        self._submit()
+
+    def close(self) -> None:
+        """Let go of everything; called when the page is gone."""
+        self._is_closed = True
+        self._worker.close()
+
+    # What the page asks for. Each runs on one of viser's threads, guarded.
+
+    def _on_settings(self) -> None:
+        self._submit()
+
+    def _on_reset(self) -> None:
+        self._panel.load(self._preset)
+        self._submit()
+
+    def _on_scan(self, label: str) -> None:
+        if label not in self._scans:
+            raise ConfigError(
+                f"scan: {str(label)[:60]!r} is none of the files that were opened; choose one of the menu"
+            )
+        self._wanted_label = label
+        self._submit()
+
+    def _on_mode(self, mode: str) -> None:
+        known = next((known for known in MODES if known == mode), None)
+        if known is None:
+            raise ConfigError(f"view: got {str(mode)[:40]!r}; give one of {', '.join(MODES)}")
+        with self._lock:
+            self._stage_view.set_mode(known)
+            self._look("Home")
+
+    def _on_view(self, view: str) -> None:
+        known = next((known for known in VIEWS if known == view), None)
+        if known is None:
+            raise ConfigError(f"camera: got {str(view)[:40]!r}; give one of {', '.join(VIEWS)}")
+        with self._lock:
+            self._look(known)
+
+    def _on_theme(self, is_dark: bool) -> None:
+        self._client.gui.configure_theme(
+            dark_mode=bool(is_dark), show_logo=False, show_share_button=False, brand_color=(24, 110, 160)
+        )
+
+    def _on_point_size(self, size_mm: float) -> None:
+        if not 0.1 <= float(size_mm) <= 100.0:
+            raise ConfigError(f"point size: got {size_mm!r}; give 0.1 to 100 mm")
+        with self._lock:
+            self._stage_view.set_point_size(float(size_mm) / 1000.0)
+
+    def _on_select(self, option: str) -> None:
+        self._select(None if option == NO_STEP else _step_number(option))
+
+    def _on_pick(self, message: str) -> None:
+        step_id = _step_number(str(message).partition(":")[0])
+        # A second click on the same row puts the selection away.
+        self._select(None if step_id == self._selected else step_id)
+
+    def _on_download(self, kind: str) -> None:
+        with self._lock:
+            shown = self._shown
+        if shown is None:
+            raise ConfigError("export: there is no result yet; wait for the first one")
+        stem = shown.path.stem
+        make: dict[str, tuple[str, Callable[[], bytes]]] = {
+            "CSV": (f"{stem}.csv", lambda: csv_bytes(shown.inspection)),
+            "JSON": (f"{stem}.json", lambda: json_bytes(shown.inspection)),
+            "Debug PLY": (f"{stem}_debug.ply", lambda: debug_ply_bytes(shown.scan, shown.inspection)),
+            "Screenshot PNG": (f"{stem}.png", self._screenshot),
+        }
+        name, content = make[kind]
+        self._client.send_file_download(name, content(), save_immediately=True)
+
+    # Runs.
+
+    def _submit(self) -> None:
+        """Ask for a run with what the controls show now."""
+        try:
+            params = self._panel.read()
+        except ConfigError as error:
+            self._fail(str(error))
+            return
+        self._remember(params)
+        self._worker.submit(Request(self._scans[self._wanted_label], params))
+
+    def _run(self, request: Request) -> None:
+        """Compute and publish; the body of the session's thread. Never raises."""
+        announce = threading.Timer(_PATIENCE_S, self._announce)
+        announce.daemon = True
+        self._stage = "read"
+        announce.start()
+        try:
+            scan = self._workshop.read(request.path, request.params.unit)
+            inspection = inspect(scan, request.params, self._memo)
+            self._stage = None
+            announce.cancel()
+            self._publish(request, scan, inspection)
+        except StairError as error:
+            self._stage = None
+            self._fail(str(error))
+        except Exception:
+            self._stage = None
+            if not self._is_closed:
+                logger.exception("an inspector's run failed")
+                self._fail("an internal error stopped this run; the server's log has the details. Try other settings")
+        finally:
+            announce.cancel()
+
+    def _enter_stage(self, stage: str) -> None:
+        self._stage = stage
+        if stage in _STAGE_WORDS and self._panel.progress.visible:
+            self._announce()
+
+    def _announce(self) -> None:
+        """Say what is being computed; the last good result stays, dimmed."""
+        with self._lock:
+            stage = self._stage
+            if stage is None or self._is_closed:
+                return
+            words = _STAGE_WORDS.get(stage, "measuring")
+            size = f" of {len(self._shown.scan.points):,} points" if self._shown and stage == "normals" else ""
+            with self._client.atomic():
+                self._panel.progress.visible = True
+                self._panel.progress.value = _STAGE_PERCENT.get(stage, 95.0)
+                self._show_status(busy=f"{words}{size} …", is_stale=self._shown is not None)
+
+    def _fail(self, message: str) -> None:
+        with self._lock:
+            self._error = " ".join(message.split())
+            with self._client.atomic():
+                self._panel.progress.visible = False
+                self._show_status(is_stale=self._shown is not None)
+
+    def _notify(self, message: str) -> None:
+        """Tell of an action that failed; the result shown is not concerned."""
+        self._client.add_notification("Not done", " ".join(message.split()), color="red", auto_close_seconds=12.0)
+
+    def _publish(self, request: Request, scan: Scan, inspection: Inspection) -> None:
+        """Show a result, all of it at once."""
+        with self._lock:
+            if self._is_closed:
+                return
+            before = self._shown
+            is_new_scan = before is None or before.scan is not scan
+            display = choose_display(scan) if is_new_scan or before is None else before.display
+            self._shown = Shown(request.path, scan, display, inspection)
+            self._error = None
+            if self._selected is not None and self._selected > len(inspection.steps):
+                self._selected = None
+            # The scene is turned upright only for another scan or another up: nothing jumps while a slider moves.
+            is_new_view = (
+                is_new_scan or before is None or not np.array_equal(before.inspection.up.vector, inspection.up.vector)
+            )
+            with self._client.atomic():
+                if is_new_view:
+                    size_m = max(0.002, 1.25 * display.spacing_m)
+                    self._stage_view.show_scan(display, view_from_local(inspection), size_m)
+                    self._panel.show_point_size(size_m)
+                    self._panel.header.content = html.header_html(scan.name, len(scan.points), len(display.points))
+                drawing = draw(inspection, display, scan.points, self._palette)
+                self._stage_view.show_drawing(drawing, self._guard(self._select))
+                self._panel.progress.visible = False
+                self._panel.histogram.content = html.histogram_html(inspection, self._palette)
+                self._panel.details.content = html.details_html(inspection)
+                self._show_selection()
+                self._show_status()
+                if is_new_view:
+                    self._look("Home")
+
+    # What the page shows. All callers hold the lock.
+
+    def _show_waiting(self) -> None:
+        with self._lock, self._client.atomic():
+            self._panel.header.content = html.header_html(self._wanted_label, None, None)
+            self._panel.table.content = html.table_html(None, self._palette, None, None)
+            self._panel.histogram.content = html.histogram_html(None, self._palette)
+            self._show_status(busy="starting …")
+
+    def _show_status(self, *, busy: str | None = None, is_stale: bool = False) -> None:
+        inspection = self._shown.inspection if self._shown is not None else None
+        error = self._error if busy is None else None
+        self._panel.state.content = html.state_html(inspection, busy=busy, error=error, is_stale=is_stale)
+
+    def _select(self, step_id: int | None) -> None:
+        with self._lock:
+            shown = self._shown
+            if shown is None:
+                return
+            if step_id is not None and not 1 <= step_id <= len(shown.inspection.steps):
+                raise ConfigError(f"step {step_id} does not exist; there are {len(shown.inspection.steps)}")
+            self._selected = step_id
+            with self._client.atomic():
+                self._show_selection()
+
+    def _show_selection(self) -> None:
+        shown = self._shown
+        if shown is None:
+            return
+        inspection = shown.inspection
+        step = inspection.steps[self._selected - 1] if self._selected is not None else None
+        self._panel.table.content = html.table_html(
+            inspection, self._palette, self._selected, self._panel.picked._impl.uuid
+        )
+        self._panel.offer_steps(len(inspection.steps), self._selected)
+        points = np.zeros((0, 3))
+        if step is not None:
+            points = shown.display.points[inspection.labels[shown.display.point_ids] == step.step_id]
+        self._stage_view.highlight(step, points)
+
+    def _look(self, view: View) -> None:
+        if self._shown is None:
+            return
+        # The view stays where it was turned for this scan; its axes may since have been found elsewhere.
+        turn = self._stage_view.rotation @ view_from_local(self._shown.inspection).T
+        camera = self._client.camera
+        pose = frame_view(view, self._stage_view.visible_extent(), camera.aspect, turn)
+        with self._client.atomic():
+            camera.fov = FOV_RAD
+            camera.up_direction = pose.up
+            camera.position = pose.position
+            # Setting the position drags the point looked at along.
+            camera.look_at = pose.look_at
+
+    def _screenshot(self) -> bytes:
+        """Return the present view as PNG on white, at twice the size of the scene on the page.
+
+        Raises
+        ------
+        ConfigError
+            The page did not deliver the picture in time.
+        """
+        camera = self._client.camera
+        height = min(2160, 2 * max(camera.image_height, 200))
+        width = round(height * camera.aspect)
+        try:
+            picture = self._client.get_render(height, width, transport_format="png", timeout=_RENDER_TIMEOUT_S)
+        except (TimeoutError, RuntimeError) as error:
+            raise ConfigError(
+                "screenshot: the page did not deliver the picture; bring it to the front and try again"
+            ) from error
+        image = Image.fromarray(picture)
+        paper = Image.new("RGBA", image.size, (255, 255, 255, 255))
+        stream = io.BytesIO()
+        Image.alpha_composite(paper, image.convert("RGBA")).convert("RGB").save(stream, "PNG")
+        return stream.getvalue()
+
+    # Across a reload or a dropped connection, which makes the browser a new client.
+
+    def _remember(self, params: Params) -> None:
+        state = {"run": self._run_id, "scan": self._wanted_label, "settings": params_to_dict(params)}
+        self._client.local_storage.set_item(_STORAGE_KEY, json.dumps(state))
+
+    def _restore(self) -> None:
+        """Take up the settings that this browser had before it was disconnected from this same server."""
+        try:
+            kept = self._client.local_storage.get_item(_STORAGE_KEY, timeout=5.0)
+        except (TimeoutError, RuntimeError):
+            return
+        try:
+            state = json.loads(kept) if kept else {}
+            if not isinstance(state, dict) or state.get("run") != self._run_id:
+                return
+            params = params_from_dict(dict(state["settings"]), "settings kept by the browser")
+            label = state["scan"]
+        except (ValueError, KeyError, TypeError):
+            # Written by somebody else, or by hand: as good as nothing.
+            return
+        if label in self._scans:
+            self._wanted_label = label
+            self._panel.show_scan_name(label)
+        self._panel.load(params)
+
+    def _guard(self, action: Callable[..., None]) -> Callable[..., None]:
+        """Wrap an action so that its failure is a sentence on the page, not a line in the server's log."""
+
+        def guarded(*values: Any) -> None:
+            try:
+                action(*values)
+            except StairError as error:
+                self._notify(str(error))
+            except Exception:
+                if not self._is_closed:
+                    logger.exception("an action of a page failed")
+                    self._notify("an internal error stopped this action; the server's log has the details")
+
+        return guarded
+
+
+def _step_number(value: str) -> int:
+    try:
+        return int(value)
+    except ValueError as error:
+        raise ConfigError(f"step: got {value[:40]!r}; give a number") from error

@@ -1,0 +1,226 @@
+"""Who computes: a thread that keeps only the newest request, and a process for what would stop every page."""
+
+import contextlib
+import dataclasses
+import multiprocessing
+import signal
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from stair_inspector.errors import CannotMeasure, StairError
+from stair_inspector.files.scans import read_scan
+from stair_inspector.geometry.open3d import load_open3d
+from stair_inspector.model import Scan
+from stair_inspector.params import Unit
+
+R = TypeVar("R")
+
+_SCANS_KEPT = 4
+_RESULTS_KEPT = 8
+"""Normals and floors kept for all inspectors together; 24 bytes a point each."""
+
+
+class Newest(Generic[R]):
+    """Run requests one after the other on a thread of its own; of those that wait only the newest survives.
+
+    A run in progress is finished, not cancelled: cancelling at every slider event would leave a drag without any
+    result. ``function`` must not raise.
+    """
+
+    def __init__(self, function: Callable[[R], None], name: str) -> None:
+        self._function = function
+        self._condition = threading.Condition()
+        self._waiting: list[R] = []
+        self._is_running = False
+        self._is_closed = False
+        threading.Thread(target=self._loop, name=name, daemon=True).start()
+
+    def submit(self, request: R) -> None:
+        """Ask for a run; a request that still waits is dropped."""
+        with self._condition:
+            self._waiting = [request]
+            self._condition.notify()
+
+    def is_busy(self) -> bool:
+        """Return whether a request is running or waiting."""
+        with self._condition:
+            return self._is_running or bool(self._waiting)
+
+    def close(self) -> None:
+        """End the thread after the run in progress."""
+        with self._condition:
+            self._is_closed = True
+            self._waiting = []
+            self._condition.notify()
+
+    def _loop(self) -> None:
+        while True:
+            with self._condition:
+                self._is_running = False
+                while not self._waiting and not self._is_closed:
+                    self._condition.wait()
+                if self._is_closed:
+                    return
+                request = self._waiting.pop()
+                self._is_running = True
+            self._function(request)
+
+
+class HeavyProcess:
+    """One long-lived process that runs functions which hold the interpreter's lock for seconds.
+
+    Open3D's normals on a million points would freeze the server, and with it every page, for their whole duration.
+    The process is spawned, not forked: the server has threads. It ends with the server.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._context = multiprocessing.get_context("spawn")
+        self._is_closed = False
+        self._start()
+
+    def run(self, function: Callable[..., Any], *inputs: object) -> Any:
+        """Return ``function(*inputs)``, run in the process; inputs and result are copied.
+
+        Raises
+        ------
+        StairError
+            What the function raised.
+        CannotMeasure
+            The process died, most likely for want of memory. A new one is started.
+        """
+        with self._lock:
+            try:
+                self._pipe.send((function, inputs))
+                outcome, value = self._pipe.recv()
+            except (EOFError, BrokenPipeError, ConnectionResetError, OSError) as error:
+                if not self._is_closed:
+                    self.close()
+                    self._is_closed = False
+                    self._start()
+                raise CannotMeasure(
+                    "the computing process ended unexpectedly, most likely for want of memory; "
+                    "try again, or use a thinned scan"
+                ) from error
+        if outcome == "error":
+            raise value
+        return _read_only(value)
+
+    def close(self) -> None:
+        """End the process, whatever it is doing."""
+        self._is_closed = True
+        self._process.terminate()
+        self._process.join(timeout=5.0)
+        self._pipe.close()
+
+    def _start(self) -> None:
+        self._pipe, far_end = self._context.Pipe()
+        self._process = self._context.Process(target=_serve, args=(far_end,), name="stair-heavy", daemon=True)
+        self._process.start()
+        far_end.close()
+
+
+def _serve(pipe: "Connection[Any, Any]") -> None:
+    """Run what arrives until the server closes its end; the body of the heavy process."""
+    # Ctrl+C in a terminal reaches this process too; the server decides when it ends.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Loaded while the first page is still being sent; a missing library is reported by the first call that needs it.
+    with contextlib.suppress(StairError):
+        load_open3d()
+    while True:
+        try:
+            function, inputs = pipe.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            answer = ("ok", function(*inputs))
+        except StairError as error:
+            answer = ("error", error)
+        except Exception as error:  # noqa: BLE001 - whatever it is, the page must be told and the process live on
+            answer = ("error", CannotMeasure(f"an internal error in {function.__name__}: {error!r}; please report it"))
+        try:
+            pipe.send(answer)
+        except (BrokenPipeError, OSError):
+            return
+
+
+def _read_only(value: Any) -> Any:
+    """Clear the writeable flag of the arrays in a result, which copying between processes has set again."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        for item in dataclasses.fields(value):
+            array = getattr(value, item.name)
+            if isinstance(array, np.ndarray):
+                array.flags.writeable = False
+    return value
+
+
+class Workshop:
+    """What the inspectors of one server share: scans that have been read, and the results that took long.
+
+    Two inspectors who ask for the same thing wait for one computation.
+    """
+
+    def __init__(self) -> None:
+        self._process = HeavyProcess()
+        self._scans = _Cache(_SCANS_KEPT)
+        self._results = _Cache(_RESULTS_KEPT)
+
+    def read(self, path: Path, unit: Unit) -> Scan:
+        """Read a scan, or return it if it has been read and the file has not changed.
+
+        Raises
+        ------
+        ReadError
+            As :func:`stair_inspector.files.scans.read_scan`.
+        """
+        try:
+            status = path.stat()
+            stamp: tuple[int, ...] = (status.st_mtime_ns, status.st_size)
+        except OSError:
+            stamp = ()
+        scan: Scan = self._scans.get((path, unit, stamp), lambda: self._process.run(read_scan, path, unit))
+        return scan
+
+    def heavy(self, function: Callable[..., Any], *inputs: object) -> Any:
+        """Run a pipeline stage in the heavy process, or return its earlier result; see ``pipeline.Memo``."""
+        key = (function, *inputs)
+        return self._results.get(key, lambda: self._process.run(function, *inputs))
+
+    def close(self) -> None:
+        """End the heavy process."""
+        self._process.close()
+
+
+class _Cache:
+    """The most recent results by key; a second asker waits for the first."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._lock = threading.Lock()
+        self._entries: OrderedDict[Hashable, _Entry] = OrderedDict()
+
+    def get(self, key: Hashable, make: Callable[[], Any]) -> Any:
+        with self._lock:
+            entry = self._entries.setdefault(key, _Entry())
+            self._entries.move_to_end(key)
+            while len(self._entries) > self._size:
+                self._entries.popitem(last=False)
+        with entry.lock:
+            if not entry.is_made:
+                # A failure is not kept: the file may be mended.
+                entry.value = make()
+                entry.is_made = True
+            return entry.value
+
+
+class _Entry:
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.is_made = False
+        self.value: Any = None
