@@ -117,6 +117,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit code: 0 done; 2 wrong usage, settings or output folder; 3 a scan could not be read or measured.
     """
     args = list(sys.argv[1:] if argv is None else argv)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # A file name or a degree sign that the terminal cannot show must not end the program.
+        sys.stdout.reconfigure(errors="backslashreplace")
     commands: dict[str, Callable[[list[str]], int]] = {
         "view": _view,
         "measure": _measure,
@@ -151,8 +154,11 @@ def _view(args: list[str]) -> int:
     view = _parse(View, "view", args, View(settings=_preset_params(args)))
     from stair_inspector.files.paths import sample_scans
     from stair_inspector.files.scans import find_scans
+    from stair_inspector.geometry.open3d import check_system_libraries
     from stair_inspector.simulate.samples import DEFAULT_SAMPLE
 
+    # Said in the terminal now, not on the page after the first scan.
+    check_system_libraries()
     paths = find_scans(view.scans or [sample_scans()])
     if not view.scans:
         paths.sort(key=lambda path: path.stem != DEFAULT_SAMPLE)
@@ -268,22 +274,28 @@ def _parse(kind: type[T], command: str, args: list[str], default: T) -> T:
 def _flatten(boxed: str) -> str:
     """Return tyro's message as one plain sentence: no frame, no colours, no copy of the help text."""
     plain = re.sub(r"\x1b\[[0-9;]*m", "", boxed)
-    plain = re.sub(r"[╭╮╰╯─│┌┐└┘├┤┬┴┼━┃]+", " ", plain)
+    # Where stdout is not UTF-8, tyro draws its frame with dashes.
+    plain = re.sub(r"[╭╮╰╯─│┌┐└┘├┤┬┴┼━┃]+|-{8,}", " ", plain)
     text = " ".join(plain.split())
     for pattern, replacement in (
         (r"\s*For full helptext,.*$", ""),
         (r"\s*Argument helptext:.*$", ""),
-        (r"^(Value error|Parsing error|Unrecognized options|Invalid choice)\s+", ""),
+        (r"^(Value error|Parsing error|Unrecognized options|Invalid choice|Required options|Missing argument)\s+", ""),
         (r"^Error parsing settings\S*: ", ""),
         (r"^Error parsing (stair|scanner): ", ""),
         (r"^Error parsing (--\S+): ", r"\1: "),
-        (r"Missing from [\w -]+:", "missing:"),
+        (r"^Missing from [\w -]+: (-\S+ [^\s,]+|\S+).*$", r"\1 is missing"),
+        (r"^Missing value for argument '(\S+)'.*$", r"\1 needs a value"),
         (r"\s*Perhaps you meant: (--[\w.-]+).*$", r"; did you mean \1?"),
+        (r"^Unrecognized options: ([^\s,;]+)[^;]*", r"unknown option \1"),
         (r"invalid literal for int\(\) with base 10: ('.*')", r"got \1; give a whole number"),
         (r"could not convert string to float: ('.*')", r"got \1; give a number"),
     ):
         text = re.sub(pattern, replacement, text)
-    return text.rstrip(".") + "; see --help"
+    choice = re.fullmatch(r"invalid choice ('.*') for argument '(\S+)'\. Expected one of \((.*)\)\.?", text)
+    if choice is not None:
+        text = f"{choice[2]}: got {choice[1]}; give one of {choice[3].replace(chr(39), '')}"
+    return text if text.endswith("?") else text.rstrip(".") + "; see --help"
 
 
 def _join_negative_up(args: list[str]) -> list[str]:
@@ -316,7 +328,10 @@ def _value_of(args: list[str], flag: str) -> str | None:
 
 def _check_folder(folder: Path) -> None:
     """Raise before the work, not after it, when results could not be written."""
-    existing = next((parent for parent in (folder, *folder.parents) if parent.exists()), folder)
+    try:
+        existing = next((parent for parent in (folder, *folder.parents) if parent.exists()), folder)
+    except OSError as error:
+        raise WriteError(f"{folder}: cannot be written ({error.strerror}); give another folder with -o") from error
     if not existing.is_dir():
         raise WriteError(f"{existing}: is a file, not a folder; give another folder with -o")
     if not os.access(existing, os.W_OK | os.X_OK):

@@ -241,7 +241,7 @@ def parse_up(text: str) -> tuple[float, float, float] | None:
     Raises
     ------
     ConfigError
-        Neither a name nor three finite numbers that are not all zero.
+        Neither a name nor three finite numbers that are not all zero, or as good as zero.
 
     Examples
     --------
@@ -257,7 +257,8 @@ def parse_up(text: str) -> tuple[float, float, float] | None:
     except ValueError:
         parts = ()
     length = math.hypot(*parts) if parts else 0.0
-    if len(parts) != 3 or not math.isfinite(length) or length == 0.0:
+    # The length of the tiniest numbers is rounded too coarsely to divide by.
+    if len(parts) != 3 or not 1e-100 < length < math.inf:
         raise ConfigError(f'up: got {text!r}; give auto, x, y, z, -x, -y, -z, or three numbers such as "0.1,0,1"')
     return (parts[0] / length, parts[1] / length, parts[2] / length)
 

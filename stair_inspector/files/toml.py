@@ -22,12 +22,15 @@ def read_toml(path: Path) -> dict[str, Any]:
     try:
         if path.stat().st_size > _MAX_BYTES:
             raise ConfigError(f"{path}: larger than {_MAX_BYTES // 1_000_000} MB, which no settings file is")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); check the name") from error
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: is not a text file; give a TOML file") from error
-    except tomllib.TOMLDecodeError as error:
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        # tomllib's own error is a ValueError; numbers of thousands of digits and deep nesting raise the others.
         raise ConfigError(f"{path}: is not valid TOML ({error}); mend that place") from error
 
 

@@ -12,8 +12,27 @@ _DEBIAN_PACKAGES = {
     "libEGL.so.1": "libegl1",
     "libX11.so.6": "libx11-6",
     "libgomp.so.1": "libgomp1",
-    "libusb-1.0.so.0": "libusb-1.0-0",
 }
+"""Libraries that the Open3D wheels link and do not bring, and the Debian packages that have them."""
+
+
+def check_system_libraries() -> None:
+    """Check that the operating system has what the Open3D wheels link, without importing Open3D.
+
+    Raises
+    ------
+    MissingLibrary
+        At least one is missing; the message names all of them and their Debian packages.
+    """
+    if sys.platform != "linux":
+        return
+    missing = [name for name in _DEBIAN_PACKAGES if not _can_load(name)]
+    if missing:
+        packages = " ".join(_DEBIAN_PACKAGES[name] for name in missing)
+        raise MissingLibrary(
+            f"open3d cannot be loaded because this system lacks {', '.join(missing)}; on Debian or Ubuntu install: "
+            f"apt-get install {packages}"
+        )
 
 
 @cache
@@ -26,8 +45,9 @@ def load_open3d() -> Any:
     Raises
     ------
     MissingLibrary
-        A shared library of the operating system is missing; the message names the Debian packages.
+        A shared library is missing, or the wheel is damaged.
     """
+    check_system_libraries()
     if sys.platform == "linux":
         import libusb_package
 
@@ -37,17 +57,14 @@ def load_open3d() -> Any:
     try:
         import open3d
     except (ImportError, OSError) as error:
-        raise MissingLibrary(_explain(str(error))) from error
+        raise MissingLibrary(f"open3d cannot be loaded ({error}); install stair-inspector again") from error
     open3d.utility.set_verbosity_level(open3d.utility.VerbosityLevel.Error)
     return open3d
 
 
-def _explain(message: str) -> str:
-    library = next((name for name in _DEBIAN_PACKAGES if name in message), None)
-    if library is None:
-        return f"open3d cannot be loaded ({message}); reinstall it with: pip install --force-reinstall open3d-cpu"
-    # One package a run would make the user try three times: name all that the wheel links.
-    return (
-        f"open3d cannot be loaded because {library} is missing; on Debian or Ubuntu install it with: "
-        "apt-get install libgl1 libegl1 libx11-6 libgomp1"
-    )
+def _can_load(name: str) -> bool:
+    try:
+        ctypes.CDLL(name)
+    except OSError:
+        return False
+    return True

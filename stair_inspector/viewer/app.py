@@ -86,7 +86,8 @@ class App:
         for session in sessions:
             session.close()
         self._workshop.close()
-        self._server.stop()
+        with contextlib.redirect_stdout(io.StringIO()):
+            self._server.stop()
         self._ended.set()
 
     def _connect(self, client: viser.ClientHandle) -> None:
