@@ -1,0 +1,34 @@
+"""The percentile look-up is numpy's, to the last bit."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stair_inspector.geometry.percentiles import percentile_of_sorted
+
+coordinates = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=200)
+
+
+@given(coordinates, st.floats(0.0, 100.0))
+def test_equals_numpy_to_the_last_bit(values, percent):
+    ordered = np.sort(np.array(values))
+    assert percentile_of_sorted(ordered, percent) == float(np.percentile(ordered, percent))
+
+
+@given(coordinates, st.integers(0, 200).map(lambda half: half / 2.0))
+def test_equals_numpy_at_every_position_of_a_slider(values, percent):
+    ordered = np.sort(np.array(values))
+    assert percentile_of_sorted(ordered, percent) == float(np.percentile(ordered, percent))
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 20, 21, 101, 997, 100_003])
+def test_equals_numpy_at_every_length(n):
+    ordered = np.sort(np.random.default_rng(n).normal(size=n))
+    for percent in (0.0, 1.0, 5.0, 33.3, 50.0, 95.0, 99.0, 100.0):
+        assert percentile_of_sorted(ordered, percent) == float(np.percentile(ordered, percent))
+
+
+@pytest.mark.parametrize(("percent", "expected"), [(0, 10.0), (25, 20.0), (50, 30.0), (60, 34.0), (100, 50.0)])
+def test_hand_computed(percent, expected):
+    assert percentile_of_sorted(np.array([10.0, 20.0, 30.0, 40.0, 50.0]), percent) == expected

@@ -1,0 +1,143 @@
+"""The house keeps its order: read from the imports themselves."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "stair_inspector"
+ROOMS = (
+    ("errors",),
+    ("geometry",),
+    ("params",),
+    ("model",),
+    ("stages", "codes", "simulate"),
+    ("pipeline",),
+    ("files",),
+    ("viewer",),
+    ("cli",),
+)
+"""From the lowest floor to the highest; a room may import itself and what lies below, not its neighbours."""
+RANK = {room: rank for rank, rooms in enumerate(ROOMS) for room in rooms}
+CORE = {"errors", "geometry", "params", "model", "stages", "codes", "simulate", "pipeline"}
+HEAVY = {"open3d", "trimesh", "sklearn", "scipy"}
+"""Imported only inside the functions that need them: each takes up to seconds."""
+FILES = sorted(PACKAGE.rglob("*.py"))
+EACH_FILE = pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
+
+
+def room_of(file):
+    return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports_of(tree):
+    """(module, imported at once, not only for the type checker) of every import in a module's tree."""
+
+    def walk(node, at_once):
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.Import):
+                yield from ((alias.name, at_once) for alias in child.names)
+            elif isinstance(child, ast.ImportFrom):
+                assert child.level == 0, "imports are absolute"
+                yield child.module, at_once
+                # "from stair_inspector import files" names a room as well.
+                yield from ((f"{child.module}.{alias.name}", at_once) for alias in child.names)
+            is_later = isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
+            is_for_types = isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test)
+            yield from walk(child, at_once and not is_later and not is_for_types)
+
+    yield from walk(tree, True)
+
+
+def imports_in(file):
+    return list(imports_of(ast.parse(file.read_text(encoding="utf-8"))))
+
+
+def rooms_imported(file):
+    parts = (module.split(".") for module, _ in imports_in(file))
+    return {part[1] for part in parts if part[0] == "stair_inspector" and len(part) > 1 and part[1] in RANK}
+
+
+@EACH_FILE
+def test_imports_go_one_way(file):
+    room = room_of(file)
+    if room == "__init__":
+        assert rooms_imported(file) == set()
+        return
+    assert room in RANK, f"{room} has no place in the order of rooms"
+    too_high = {other for other in rooms_imported(file) if other != room and RANK[other] >= RANK[room]}
+    assert too_high == set()
+
+
+@pytest.mark.parametrize("file", [file for file in FILES if room_of(file) in CORE], ids=lambda file: file.stem)
+def test_the_core_knows_neither_disk_nor_page(file):
+    modules = {module.split(".")[0] for module, _ in imports_in(file)}
+    assert modules & {"viser", "tyro"} == set()
+    assert rooms_imported(file) & {"files", "viewer", "cli"} == set()
+
+
+@EACH_FILE
+def test_slow_libraries_are_imported_inside_functions(file):
+    assert {module for module, at_once in imports_in(file) if at_once and module.split(".")[0] in HEAVY} == set()
+
+
+@EACH_FILE
+def test_only_the_viewer_knows_viser(file):
+    if room_of(file) != "viewer":
+        assert "viser" not in {module.split(".")[0] for module, _ in imports_in(file)}
+
+
+@EACH_FILE
+def test_only_the_command_line_prints_and_exits(file):
+    if room_of(file) in CORE | {"files"}:
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        called = {ast.unparse(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+        assert called & {"print", "exit", "quit", "sys.exit", "os._exit", "input"} == set()
+
+
+def test_the_reader_of_imports_sees_every_kind_of_import():
+    source = (
+        "import open3d\nfrom stair_inspector import files\nif TYPE_CHECKING:\n    import viser\n"
+        "def f():\n    import trimesh.util\nclass A:\n    import sklearn\n"
+        "try:\n    import scipy\nexcept ImportError: ...\n"
+    )
+    found = dict(imports_of(ast.parse(source)))
+    assert found == {
+        "open3d": True,
+        "stair_inspector": True,
+        "stair_inspector.files": True,
+        "viser": False,
+        "trimesh.util": False,
+        "sklearn": True,
+        "scipy": True,
+    }
+
+
+def test_the_recipe_stays_under_a_hundred_lines():
+    assert len((PACKAGE / "pipeline.py").read_text(encoding="utf-8").splitlines()) < 100
+
+
+def test_the_top_level_holds_only_what_is_allowed():
+    allowed = {"pyproject.toml", "stair_inspector", "static_configs", "tests", "sample_scans", "README.md"}
+    built = {line.rstrip("/") for line in (ROOT / ".gitignore").read_text().split() if "*" not in line}
+    names = {path.name for path in ROOT.iterdir() if not path.name.startswith(".")}
+    assert {name for name in names - allowed - built if not name.endswith(".egg-info")} == set()
+    assert allowed <= names
+
+
+def test_tests_mirror_the_package():
+    folders = {
+        path.name for path in (ROOT / "tests").iterdir() if path.is_dir() and not path.name.startswith(("_", "."))
+    }
+    rooms = {path.name for path in PACKAGE.iterdir() if path.is_dir() and not path.name.startswith("_")}
+    assert folders <= rooms | {"benchmarks", "browser"}
+    assert {"geometry", "stages", "files"} <= folders
+
+
+def test_no_file_names_a_machine():
+    # Written so that this file does not contain what it looks for.
+    places = re.compile("|".join(f"/{top}/" for top in ("work", "opt/venv", "root")))
+    files = [*FILES, *(ROOT / "tests").rglob("*.py"), *(ROOT / "static_configs").rglob("*.*"), ROOT / "README.md"]
+    assert [str(file) for file in files if places.search(file.read_text(encoding="utf-8"))] == []

@@ -1,0 +1,412 @@
+"""The command line: exit codes, one pinned line for every error, results on stdout and nothing else there."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stair_inspector
+from stair_inspector import cli
+from stair_inspector.errors import ConfigError, MissingLibrary
+from stair_inspector.files.ply import ply_bytes
+from stair_inspector.files.settings import list_presets
+from stair_inspector.params import GROUPS, Params, fields_of
+from tests.synthetic import Stair
+
+ROOT = Path(__file__).parent.parent
+COMMANDS = ("view", "measure", "simulate", "presets")
+UP_Z = ("--up", "z", "--unit", "m")
+
+
+@pytest.fixture(scope="module")
+def stair_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("scans") / "stair.ply"
+    path.write_bytes(ply_bytes(Stair(noise=0.002).sample()[0]))
+    return path
+
+
+@pytest.fixture
+def run(capsys):
+    def call(*args):
+        """Exit code, stdout and stderr of a command."""
+        try:
+            code = cli.main([str(arg) for arg in args])
+        except SystemExit as leaving:
+            code = leaving.code
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return call
+
+
+def refusal(run, *args):
+    """The one line of a command that must not even begin, without the program's name."""
+    code, out, err = run(*args)
+    assert code == 2
+    assert out == ""
+    assert err.startswith("stair-inspector: ")
+    assert err.count("\n") == 1
+    return err.removeprefix("stair-inspector: ").rstrip("\n")
+
+
+# --- help ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("args", [["--help"], ["-h"], *([command, "--help"] for command in COMMANDS)], ids=" ".join)
+def test_help_is_on_stdout_and_imports_nothing_slow(args):
+    script = (
+        "import sys\n"
+        "from stair_inspector.cli import main\n"
+        "try:\n    code = main(sys.argv[1:])\n"
+        "except SystemExit as leaving:\n    code = leaving.code\n"
+        "slow = {'open3d', 'viser', 'sklearn', 'trimesh', 'scipy', 'pandas', 'matplotlib'} & set(sys.modules)\n"
+        "print('slow:', sorted(slow), file=sys.stderr)\n"
+        "sys.exit(code)\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script, *args], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert run.returncode == 0
+    assert run.stderr == "slow: []\n"
+    assert run.stdout.startswith("usage: stair-inspector")
+
+
+def test_the_help_names_every_command_and_exit_code(run):
+    code, out, _ = run("--help")
+    assert code == 0
+    for command in COMMANDS:
+        assert f"\n  {command} " in out
+    assert "exit codes: 0 done; 2 wrong usage or settings" in out
+    assert "3 a scan could not be read or measured" in out
+
+
+@pytest.mark.parametrize("command", ["measure", "view"])
+def test_every_setting_has_a_flag_with_its_help(run, command):
+    code, out, _ = run(command, "--help")
+    assert code == 0
+    words = " ".join(out.replace("│", " ").split())
+    for name in fields_of(Params):
+        for field in fields_of(GROUPS[name]) if name in GROUPS else [""]:
+            flag = f"--{name}.{field}".rstrip(".").replace("_", "-")
+            assert f"{flag} " in words, flag
+            help_text = stair_inspector.params.help_of(f"{name}.{field}".strip("."))
+            assert help_text.split(".")[0][:30] in words, flag
+
+
+def test_the_version(run):
+    assert run("--version") == (0, f"stair-inspector {stair_inspector.__version__}\n", "")
+
+
+def test_presets_are_listed_with_their_descriptions(run):
+    code, out, err = run("presets")
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    presets = list_presets()
+    assert [line.split()[0] for line in lines] == [preset.name for preset in presets]
+    assert all(line.endswith(preset.description) for line, preset in zip(lines, presets, strict=True))
+
+
+# --- measure -------------------------------------------------------------------------------------------------------
+
+
+def test_measure_prints_the_table_and_writes_three_files(run, stair_file, tmp_path):
+    code, out, err = run("measure", stair_file, "-o", tmp_path / "out", *UP_Z)
+    assert (code, err) == (0, "")
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == [
+        "stair.csv",
+        "stair.json",
+        "stair_debug.ply",
+    ]
+    lines = out.splitlines()
+    n_points = len(Stair().sample()[0])
+    assert lines[0] == f"stair.ply: {n_points:,} of {n_points:,} points, 5 steps"
+    assert lines[1].split() == ["step", "points", "h_mm", "d_FB_mm", "d_FF_mm", "W_mm", "theta_deg", "RMS_mm"]
+    document = json.loads((tmp_path / "out" / "stair.json").read_text())
+    for line, step in zip(lines[2:7], document["steps"], strict=True):
+        paper = step["paper"]
+        values = [paper["h_m"], paper["d_fb_m"], paper["d_ff_m"], paper["w_m"]]
+        expected = [str(step["id"]), str(step["n_points"])]
+        expected += ["-" if value is None else f"{value * 1000:.1f}" for value in values]
+        expected += ["-" if paper["theta_deg"] is None else f"{paper['theta_deg']:.1f}", f"{step['rms_m'] * 1000:.2f}"]
+        assert line.split() == expected
+    assert lines[6].split()[2] == "-", "the last step has no h"
+    for note in document["notes"]:
+        assert f"  {note['message']}" in lines
+    for suffix in (".json", ".csv", "_debug.ply"):
+        assert str(tmp_path / "out" / f"stair{suffix}") in out
+
+
+def test_flags_reach_the_settings_of_the_result(run, stair_file, tmp_path):
+    args = (
+        "--levels.eps-m",
+        "0.03",
+        "--edges.front-percentile=90",
+        "--method",
+        "paper",
+        "--horizontal.theta-deg",
+        "12",
+    )
+    assert run("measure", stair_file, "-o", tmp_path, *UP_Z, *args)[0] == 0
+    settings = json.loads((tmp_path / "stair.json").read_text())["settings"]
+    assert settings["levels"] == {"eps_m": 0.03, "min_points": 50}
+    assert settings["edges"]["front_percentile"] == 90.0
+    assert (settings["method"], settings["horizontal"]["theta_deg"], settings["up"]) == ("paper", 12.0, "z")
+
+
+def test_flags_change_the_values_of_a_preset(run, stair_file, tmp_path):
+    preset = tmp_path / "mine.toml"
+    preset.write_text("[levels]\neps_m = 0.03\nmin_points = 20\n")
+    args = ("--preset", preset, "--levels.min-points", "30")
+    assert run("measure", stair_file, "-o", tmp_path, *UP_Z, *args)[0] == 0
+    assert json.loads((tmp_path / "stair.json").read_text())["settings"]["levels"] == {"eps_m": 0.03, "min_points": 30}
+
+
+@pytest.mark.parametrize("up", [["--up", "-x"], ["--up=-x"], ["--up", "-1,0,0"], ["--up", "-0.5,0.0,-0"]], ids=" ".join)
+def test_an_up_that_begins_with_a_dash_is_no_flag(run, stair_file, tmp_path, up):
+    code, _, err = run("measure", stair_file, "-o", tmp_path, *up)
+    assert (code, err) == (0, "")
+    vector = json.loads((tmp_path / "stair.json").read_text())["up"]["vector"]
+    np.testing.assert_allclose(vector, [-1.0, 0.0, 0.0], atol=1e-15)
+
+
+def test_a_scan_without_a_staircase_is_a_result_and_not_an_error(run, stair_file, tmp_path):
+    code, out, err = run("measure", stair_file, "-o", tmp_path, "--up", "x")
+    assert (code, err) == (0, "")
+    assert "  no staircase found: " in out
+    with (tmp_path / "stair.csv").open() as stream:
+        assert list(csv.DictReader(stream)) == []
+
+
+def test_a_folder_stands_for_its_scans(run, stair_file, tmp_path):
+    for name in ("b.ply", "a.PLY", "notes.txt", ".hidden.ply"):
+        (tmp_path / name).write_bytes(stair_file.read_bytes())
+    code, out, _ = run("measure", tmp_path, "-o", tmp_path / "out", *UP_Z)
+    assert code == 0
+    assert [line.split(":")[0] for line in out.splitlines() if " points, " in line] == ["a.PLY", "b.ply"]
+
+
+def test_with_several_scans_the_others_are_still_done(run, stair_file, tmp_path):
+    (tmp_path / "bad.ply").write_bytes(b"ply\n")
+    (tmp_path / "few.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n")
+    missing = tmp_path / "missing.ply"
+    scans = (tmp_path / "bad.ply", missing, tmp_path / "few.xyz", stair_file)
+    code, out, err = run("measure", *scans, "-o", tmp_path / "out", *UP_Z)
+    assert code == 3
+    errors = err.splitlines()
+    assert len(errors) == 3
+    assert [next(k for k, scan in enumerate(scans) if scan.name in line) for line in errors] == [1, 0, 2]
+    assert "stair.ply: " in out
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == ["stair.csv", "stair.json", "stair_debug.ply"]
+
+
+def test_the_same_file_named_twice_is_measured_once(run, stair_file, tmp_path):
+    code, out, _ = run("measure", stair_file, stair_file, "-o", tmp_path, *UP_Z)
+    assert code == 0
+    assert out.count(" points, ") == 1
+
+
+def test_the_program_runs_as_a_process_and_stays_quiet_on_stderr(stair_file, tmp_path):
+    script = "import sys; from stair_inspector.cli import main; sys.exit(main())"
+    args = [sys.executable, "-c", script, "measure", str(stair_file), "-o", str(tmp_path)]
+    run = subprocess.run(args, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert "5 steps" in run.stdout
+
+
+def test_a_stdout_that_lacks_a_character_does_not_end_the_program(tmp_path, stair_file):
+    (tmp_path / "Stiege_ä.ply").write_bytes(stair_file.read_bytes())
+    script = (
+        "import sys; sys.stdout.reconfigure(encoding='ascii'); from stair_inspector.cli import main; sys.exit(main())"
+    )
+    args = [sys.executable, "-c", script, "measure", str(tmp_path / "Stiege_ä.ply"), "-o", str(tmp_path / "out"), *UP_Z]
+    run = subprocess.run(args, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert "Stiege_\\xe4.ply: " in run.stdout
+
+
+# --- errors --------------------------------------------------------------------------------------------------------
+
+
+def test_unknown_command(run):
+    expected = "'mesure' is no command; give one of view, measure, simulate, presets (see --help)"
+    assert refusal(run, "mesure", "a.ply") == expected
+
+
+def test_missing_scan(run, tmp_path):
+    assert refusal(run, "measure", "-o", tmp_path) == "measure: no scan given; name at least one file or folder"
+
+
+def test_missing_out(run, stair_file):
+    assert refusal(run, "measure", stair_file) == "measure: -o DIR is missing; see --help"
+
+
+@pytest.mark.parametrize(
+    ("args", "text"),
+    [
+        (["--levels.eps", "0.03"], "measure: unknown option --levels.eps; did you mean --levels.eps-m?"),
+        (
+            ["--horizontal.tehta-deg", "9"],
+            "measure: unknown option --horizontal.tehta-deg; did you mean --horizontal.theta-deg?",
+        ),
+        (["--qqq"], "measure: unknown option --qqq; see --help"),
+        (["--levels.eps-m"], "measure: --levels.eps-m needs a value; see --help"),
+        (["-o"], "measure: -o/--out needs a value; see --help"),
+        (["--levels.eps-m", "0.3"], "measure: levels.eps_m: got 0.3; give a value from 0.001 to 0.1; see --help"),
+        (["--levels.eps-m", "-1"], "measure: levels.eps_m: got -1.0; give a value from 0.001 to 0.1; see --help"),
+        (["--levels.eps-m", "nan"], "measure: levels.eps_m: got nan; give a number; see --help"),
+        (["--levels.eps-m", "inf"], "measure: levels.eps_m: got inf; give a number; see --help"),
+        (["--levels.eps-m", "2cm"], "measure: --levels.eps-m: got '2cm'; give a number; see --help"),
+        (["--levels.min-points", "3.5"], "measure: --levels.min-points: got '3.5'; give a whole number; see --help"),
+        (["--normals.k", "4"], "measure: normals.k: got 4; give a value from 5 to 300; see --help"),
+        (["--method", "magic"], "measure: --method: got 'magic'; give one of survey, paper; see --help"),
+        (["--unit", "km"], "measure: --unit: got 'km'; give one of auto, m, cm, mm, in, ft; see --help"),
+        (["--up", "up"], "up: got 'up'; give auto, x, y, z, -x, -y, -z, or three numbers such as \"0.1,0,1\""),
+        (["--up", "0,0,0"], "up: got '0,0,0'; give auto, x, y, z, -x, -y, -z, or three numbers such as \"0.1,0,1\""),
+        (["--up", "-q"], "measure: --up needs a value; see --help"),
+        (["--preset", "defalt"], "--preset: unknown preset 'defalt'; did you mean 'default'?"),
+        (["--preset"], "measure: --preset needs a value; see --help"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+@pytest.mark.parametrize("columns", ["80", "200"])
+def test_the_line_for_a_wrong_setting(run, stair_file, tmp_path, monkeypatch, args, text, columns):
+    monkeypatch.setenv("COLUMNS", columns)
+    assert refusal(run, "measure", stair_file, "-o", tmp_path / "out", *args) == text
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_the_line_does_not_depend_on_the_terminal(tmp_path, encoding):
+    script = (
+        f"import sys; sys.stdout.reconfigure(encoding='{encoding}');"
+        "from stair_inspector.cli import main; sys.exit(main(['measure', '--unit', 'km', 'a.ply', '-o', 'x']))"
+    )
+    run = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr == (
+        "stair-inspector: measure: --unit: got 'km'; give one of auto, m, cm, mm, in, ft; see --help\n"
+    )
+
+
+def test_unknown_preset_lists_the_known(run, stair_file, tmp_path):
+    known = ", ".join(sorted(preset.name for preset in list_presets()))
+    text = refusal(run, "measure", stair_file, "-o", tmp_path, "--preset", "zzz")
+    assert text == f"--preset: unknown preset 'zzz'; known are {known}"
+
+
+def test_presets_takes_no_options(run):
+    assert refusal(run, "presets", "all") == "presets: got 'all'; this command has no options"
+
+
+def test_an_output_folder_that_is_a_file(run, stair_file, tmp_path):
+    out = tmp_path / "out"
+    out.write_text("mine")
+    assert (
+        refusal(run, "measure", stair_file, "-o", out) == f"{out}: is a file, not a folder; give another folder with -o"
+    )
+    text = refusal(run, "measure", stair_file, "-o", out / "below")
+    assert text == f"{out}: is a file, not a folder; give another folder with -o"
+    assert out.read_text() == "mine"
+
+
+def test_an_output_folder_that_may_not_be_written(run, stair_file, tmp_path, monkeypatch):
+    monkeypatch.setattr(cli.os, "access", lambda *_: False)
+    text = refusal(run, "measure", stair_file, "-o", tmp_path / "out")
+    assert text == f"{tmp_path}: cannot be written (permission denied); give another folder with -o"
+
+
+def test_an_output_folder_with_a_name_that_is_too_long(run, stair_file, tmp_path):
+    folder = tmp_path / ("x" * 300)
+    text = refusal(run, "measure", stair_file, "-o", folder)
+    assert text == f"{folder}: cannot be written (File name too long); give another folder with -o"
+
+
+def test_an_output_that_fails_while_writing_is_exit_2(run, stair_file, tmp_path):
+    (tmp_path / "stair.csv").mkdir()
+    code, _, err = run("measure", stair_file, "-o", tmp_path, *UP_Z)
+    assert code == 2
+    assert err == (
+        f"stair-inspector: {tmp_path / 'stair.csv'}: cannot be written (Is a directory); "
+        "choose a folder you may write to\n"
+    )
+
+
+def test_two_scans_with_the_same_stem(run, stair_file, tmp_path):
+    other = tmp_path / "stair.xyz"
+    other.write_text("0 0 0\n")
+    text = refusal(run, "measure", stair_file, other, "-o", tmp_path / "out")
+    assert text == f"{other} and {stair_file} would both be written as stair.json; measure them apart"
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", [["measure", "-o", "unused"], ["view", "--no-browser"]], ids=["measure", "view"])
+def test_a_missing_file(run, tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(*command, "missing.ply")
+    assert (code, out) == (3, "")
+    assert err == "stair-inspector: missing.ply: there is no such file; check the path\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_without_scans(run, tmp_path):
+    (tmp_path / "notes.txt").write_text("nothing")
+    code, out, err = run("measure", tmp_path, "-o", tmp_path / "out")
+    assert (code, out) == (3, "")
+    assert err == (
+        f"stair-inspector: {tmp_path}: this folder holds no scans (.ply, .pcd, .xyz, .pts, .csv); name a scan\n"
+    )
+
+
+def test_debug_shows_the_traceback_and_still_the_line(run, tmp_path):
+    _, _, plain = run("measure", tmp_path / "a.ply", "-o", tmp_path)
+    code, _, err = run("measure", tmp_path / "a.ply", "-o", tmp_path, "--debug", "--levels.eps-m", "9")
+    assert code == 2
+    assert err.startswith("Traceback (most recent call last):")
+    assert err.splitlines()[-1].startswith("stair-inspector: measure: levels.eps_m: got 9.0;")
+    assert "Traceback" not in plain
+
+
+def test_debug_shows_the_traceback_of_a_scan_that_cannot_be_read(run, tmp_path):
+    (tmp_path / "a.ply").write_bytes(b"")
+    code, _, err = run("measure", tmp_path / "a.ply", "-o", tmp_path, "--debug")
+    assert code == 3
+    assert err.startswith("Traceback (most recent call last):")
+    assert err.splitlines()[-1].startswith("stair-inspector: ")
+
+
+def test_an_error_of_many_lines_becomes_one(run, monkeypatch):
+    def fail(_):
+        raise MissingLibrary("first\n  second\tthird")
+
+    monkeypatch.setattr(cli, "_presets", fail)
+    assert run("presets") == (3, "", "stair-inspector: first second third\n")
+
+
+def test_a_wrong_setting_found_by_a_stage_is_exit_2(run, stair_file, tmp_path):
+    code, _, err = run("measure", stair_file, "-o", tmp_path / "out", "--normals.source", "given", *UP_Z)
+    assert code == 2
+    assert err == "stair-inspector: normals.source: stair.ply holds no normals; use 'estimate'\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_interrupt_leaves_with_130(monkeypatch):
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "_presets", interrupt)
+    assert cli.main(["presets"]) == 130
+
+
+def test_a_defect_of_the_program_is_not_hidden_as_an_error_of_the_user(monkeypatch):
+    def defect(_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(cli, "_presets", defect)
+    with pytest.raises(ZeroDivisionError):
+        cli.main(["presets"])
+
+
+def test_config_errors_are_value_errors_so_that_tyro_reports_them():
+    assert issubclass(ConfigError, ValueError)

@@ -1,0 +1,471 @@
+"""From a scan to an inspection: truth within the noise, invariance, boundaries, and the memo."""
+
+import dataclasses
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stair_inspector.errors import CannotMeasure
+from stair_inspector.files.exports import inspection_to_dict
+from stair_inspector.params import EdgesParams, HorizontalParams, LevelsParams, NormalsParams, Params
+from stair_inspector.pipeline import Memo, inspect
+from tests.synthetic import CHANGES, Stair, exact_params, make_scan, motion, numbers_of, rotation
+
+ROOT = Path(__file__).parent.parent
+NOISE = 0.002
+WITHIN = 5.0
+"""Standard deviations that a value may be off: by chance once in two million values."""
+NOISY = Stair(noise=NOISE, seed=21)
+FROM_HORIZONTAL = ["horizontal", "reach", "levels", "surfaces", "axes", "extents", "edges", "nearest", "paper"]
+ALL_STAGES = ["normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
+
+
+def result_of(inspection):
+    """Everything that is exported but the timings."""
+    result = inspection_to_dict(inspection)
+    del result["timings_s"]
+    return result
+
+
+def column(inspection, name):
+    return [getattr(step.paper, name) for step in inspection.steps]
+
+
+# --- truth ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("source", ["given", "estimate"])
+@pytest.mark.parametrize("rise", [0.15, 0.17, 0.2])
+def test_truth_heights_are_within_sigma_over_root_n(rise, source):
+    stair = dataclasses.replace(NOISY, rise=rise)
+    inspection = inspect(stair.scan(), exact_params(normals=NormalsParams(source=source)))
+    n = stair.points_per_tread
+    assert len(inspection.steps) == stair.n_steps
+    assert [step.plane.n_points for step in inspection.steps] == [n] * stair.n_steps
+    h = column(inspection, "h_m")
+    assert h[:-1] == pytest.approx([rise] * (stair.n_steps - 1), abs=WITHIN * NOISE * np.sqrt(2.0 / n))
+    assert h[-1] is None
+    n_floor = inspection.floor.n_points
+    assert inspection.floor_h_m == pytest.approx(rise, abs=WITHIN * NOISE * np.sqrt(1.0 / n + 1.0 / n_floor))
+
+
+def test_truth_rms_is_the_noise():
+    stair = NOISY
+    n = stair.points_per_tread
+    # A plane takes three of n degrees of freedom; the scatter of a standard deviation is sigma / sqrt(2 n).
+    expected = NOISE * np.sqrt((n - 3) / n)
+    for step in inspect(stair.scan(), exact_params()).steps:
+        assert step.plane.rms_m == pytest.approx(expected, abs=WITHIN * NOISE / np.sqrt(2 * n))
+
+
+def test_truth_normals_are_up_within_noise_over_lever():
+    stair = NOISY
+    n = stair.points_per_tread
+    for step in inspect(stair.scan(), exact_params()).steps:
+        tolerance = WITHIN * NOISE * np.sqrt(12.0 / n) / np.array([stair.going, stair.width])
+        assert (np.abs(step.plane.normal[:2]) < tolerance).all()
+
+
+@pytest.mark.parametrize(("alpha_f", "alpha_b", "side"), [(95.0, 5.0, 99.0), (100.0, 0.0, 100.0), (80.0, 30.0, 60.0)])
+def test_truth_edges_are_the_percentiles_of_an_evenly_covered_tread(alpha_f, alpha_b, side):
+    # Noise-free and evenly covered: a percentile is that share of the tread, to within one cell of the grid.
+    stair = Stair(spacing=0.01)
+    edges = EdgesParams(alpha_f, alpha_b, side)
+    inspection = inspect(stair.scan(), exact_params(edges=edges))
+    n = stair.n_steps
+    assert column(inspection, "d_fb_m") == pytest.approx([stair.going * (alpha_f - alpha_b) / 100] * n, abs=0.02)
+    assert column(inspection, "w_m") == pytest.approx([stair.width * (2 * side - 100) / 100] * n, abs=0.02)
+    assert column(inspection, "d_ff_m")[:-1] == pytest.approx([stair.going] * (n - 1), abs=0.01)
+    # d = -x: the nosing of step k is at d = -(k - 1) going.
+    fronts = [-(k + 1 - alpha_f / 100) * stair.going for k in range(n)]
+    assert column(inspection, "f_m") == pytest.approx(fronts, abs=0.01)
+    slope = np.degrees(np.arctan2(stair.rise, stair.going))
+    assert column(inspection, "theta_deg")[:-1] == pytest.approx([slope] * (n - 1), abs=0.5)
+
+
+def test_truth_with_risers_the_heights_between_equal_treads_stay_right():
+    # Riser points whose estimated normal is bent at an edge shift the centroids of all treads between two risers
+    # alike; the highest tread has no riser above it and is left out.
+    stair = dataclasses.replace(NOISY, risers=True, spacing=0.015)
+    inspection = inspect(stair.scan(), exact_params(normals=NormalsParams()))
+    for step in inspection.steps[:-2]:
+        tolerance = WITHIN * step.plane.rms_m * np.sqrt(2.0 / step.plane.n_points)
+        assert step.paper.h_m == pytest.approx(stair.rise, abs=tolerance)
+
+
+def test_truth_every_horizontal_point_is_labelled_with_its_tread():
+    stair = NOISY
+    inspection = inspect(stair.scan(), exact_params())
+    expected = np.concatenate([np.full(len(part), k) for k, (part, _) in enumerate(stair.parts())])
+    np.testing.assert_array_equal(inspection.labels, expected)
+
+
+# --- invariance ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["survey", "paper"])
+@pytest.mark.parametrize(
+    ("turn", "shift"),
+    [
+        (rotation("z", 90.0), (0, 0, 0)),
+        (rotation("z", 180.0), (0, 0, 0)),
+        (rotation("z", -37.0), (4, -5, 6)),
+        (rotation("x", 25.0) @ rotation("z", 110.0), (40, -50, 6)),
+        (rotation("y", 90.0), (1, 1, 1)),
+        (rotation("x", 180.0), (0, 0, 10)),
+    ],
+    ids=["yaw_90", "reversed_direction", "yaw_and_shift", "tilted", "lying", "upside_down"],
+)
+def test_a_rigid_motion_leaves_every_number(turn, shift, method):
+    moved = dataclasses.replace(NOISY, motion=motion(turn, shift))
+    still = inspect(NOISY.scan(), exact_params(method=method))
+    after = inspect(moved.scan(), exact_params(method=method, up=moved.up))
+    # Coordinates of up to 50 m carry 7e-15 m of rounding, sums of 700 of them 1e-12.
+    np.testing.assert_allclose(numbers_of(after), numbers_of(still), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(after.axes.depth, turn @ still.axes.depth, atol=1e-9)
+    np.testing.assert_allclose(after.axes.width, turn @ still.axes.width, atol=1e-9)
+    np.testing.assert_array_equal(after.labels, still.labels)
+    for moved_step, step in zip(after.steps, still.steps, strict=True):
+        np.testing.assert_allclose(moved_step.corners, step.corners @ turn.T + shift, atol=1e-9)
+
+
+@pytest.mark.parametrize("source", ["given", "estimate"])
+def test_the_order_of_the_points_changes_nothing(source):
+    points, normals = NOISY.sample()
+    order = np.random.default_rng(2).permutation(len(points))
+    params = exact_params(normals=NormalsParams(source=source))
+    first = inspect(make_scan(points, normals), params)
+    second = inspect(make_scan(points[order], normals[order]), params)
+    # Everything is summed in the order of the heights, so not even the last bit moves.
+    np.testing.assert_array_equal(numbers_of(second), numbers_of(first))
+    np.testing.assert_array_equal(second.labels, first.labels[order])
+
+
+def test_the_order_of_the_points_moves_an_up_from_the_floor_by_less_than_its_noise():
+    # RANSAC draws other points, so the inliers at the tolerance may differ.
+    stair = dataclasses.replace(NOISY, floor_depth=1.6)
+    points, normals = stair.sample()
+    order = np.random.default_rng(3).permutation(len(points))
+    ups = [
+        inspect(make_scan(p, q), exact_params(up="auto")).up
+        for p, q in ((points, normals), (points[order], normals[order]))
+    ]
+    slope = NOISE * np.sqrt(12.0 / (80 * 50))
+    assert np.linalg.norm(ups[0].vector - ups[1].vector) < slope
+
+
+def test_a_mirrored_stair_has_the_same_numbers():
+    points, normals = NOISY.sample()
+    mirror = np.array([1.0, -1.0, 1.0])
+    first = inspect(make_scan(points, normals), exact_params())
+    second = inspect(make_scan(points * mirror, normals * mirror), exact_params())
+    # Side percentiles 99 and 1 change places, which rounds differently.
+    np.testing.assert_allclose(numbers_of(second), numbers_of(first), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(second.axes.depth, first.axes.depth * mirror, atol=1e-12)
+
+
+@pytest.mark.parametrize("origin", [(3_500_000.0, 5_800_000.0, 120.0), (-1000.0, 0.0, -40.0)])
+def test_a_scan_far_from_the_origin_loses_nothing(origin):
+    near, far = inspect(NOISY.scan(), exact_params()), inspect(NOISY.scan(origin_m=origin), exact_params())
+    np.testing.assert_array_equal(numbers_of(far), numbers_of(near))
+    shift = float(np.array(origin) @ near.axes.depth)
+    for far_step, step in zip(far.steps, near.steps, strict=True):
+        assert far_step.paper.f_m == step.paper.f_m + shift
+        assert far_step.paper.b_m == step.paper.b_m + shift
+        np.testing.assert_array_equal(far_step.plane.centroid, step.plane.centroid)
+    for far_level, level in zip(far.levels, near.levels, strict=True):
+        assert far_level.height_m == level.height_m + origin[2]
+        assert (far_level.low_m, far_level.high_m) == (level.low_m + origin[2], level.high_m + origin[2])
+    assert far.profile.low_m == near.profile.low_m + origin[2]
+
+
+def test_a_level_knows_its_lowest_and_highest_point():
+    scan = NOISY.scan()
+    inspection = inspect(scan, exact_params())
+    for level in inspection.levels:
+        heights = scan.points[inspection.labels == level.level_id, 2]
+        assert (level.low_m, level.high_m) == (heights.min(), heights.max())
+        assert level.n_points == len(heights)
+    assert inspection.profile.low_m == scan.points[:, 2].min()
+    assert inspection.profile.counts.sum() == len(scan.points)
+
+
+# --- the paper's method --------------------------------------------------------------------------------------------
+
+
+def test_paper_every_cluster_above_the_lowest_is_a_step():
+    stair = NOISY.sample()
+    rng = np.random.default_rng(5)
+    ceiling = np.column_stack([rng.uniform(-1, 2, 300), rng.uniform(0, 1, 300), np.full(300, 2.6)])
+    points = np.concatenate([stair[0], ceiling])
+    scan = make_scan(points, np.concatenate([stair[1], np.tile([0, 0, 1.0], (300, 1))]))
+    inspection = inspect(scan, exact_params(method="paper"))
+    assert [step.step_id for step in inspection.steps] == [1, 2, 3, 4, 5, 6]
+    assert [level.kind for level in inspection.levels] == ["floor"] + ["tread"] * 6
+    assert inspection.steps[-1].plane.centroid[2] == pytest.approx(2.6)
+
+
+def test_paper_the_last_step_has_no_value_that_needs_one_above():
+    last = inspect(NOISY.scan(), exact_params(method="paper")).steps[-1].paper
+    assert (last.h_m, last.d_ff_m, last.theta_deg) == (None, None, None)
+    assert min(last.d_fb_m, last.w_m) > 0.0
+
+
+def test_paper_auto_axes_are_the_global_ones():
+    long_run = dataclasses.replace(NOISY, n_steps=8)
+    auto = inspect(long_run.scan(), exact_params(method="paper"))
+    by_name = inspect(long_run.scan(), exact_params(method="paper").replaced("axes.rule", "global"))
+    np.testing.assert_array_equal(numbers_of(auto), numbers_of(by_name))
+    assert auto.axes.rule == "global"
+    # 8 * 0.28 m is longer than 1 m: the known swap.
+    assert abs(auto.axes.width[0]) > 0.99
+    assert abs(inspect(long_run.scan(), exact_params()).axes.width[1]) > 0.99
+
+
+# --- boundaries ----------------------------------------------------------------------------------------------------
+
+
+def flat(height, n=400, seed=0):
+    rng = np.random.default_rng(seed)
+    return np.column_stack([rng.uniform(0, 1, n), rng.uniform(0, 1, n), np.full(n, height)])
+
+
+def with_normals(points, normal=(0.0, 0.0, 1.0)):
+    return make_scan(points, np.tile(np.array(normal), (len(points), 1)))
+
+
+@pytest.mark.parametrize("method", ["survey", "paper"])
+def test_no_levels_is_an_answer(method):
+    inspection = inspect(with_normals(flat(0.0), (1.0, 0.0, 0.0)), exact_params(method=method))
+    assert inspection.levels == ()
+    assert inspection.steps == ()
+    assert inspection.floor is None
+    assert inspection.floor_h_m is None
+    assert inspection.axes is None
+    assert set(inspection.labels) == {-1}
+    assert [note.code for note in inspection.notes] == ["no_staircase"]
+
+
+@pytest.mark.parametrize("method", ["survey", "paper"])
+def test_a_floor_alone_is_no_staircase(method):
+    inspection = inspect(with_normals(flat(0.0)), exact_params(method=method))
+    assert [level.kind for level in inspection.levels] == ["floor"]
+    assert inspection.steps == ()
+    assert inspection.floor.n_points == 400
+    assert inspection.floor_h_m is None
+    assert inspection.axes is None
+    assert [note.code for note in inspection.notes] == ["no_staircase"]
+
+
+def test_one_step_is_kept_by_the_paper_and_rejected_by_the_survey():
+    scan = Stair(n_steps=1).scan()
+    paper, survey = (inspect(scan, exact_params(method=method)) for method in ("paper", "survey"))
+    (step,) = paper.steps
+    assert (step.paper.h_m, step.paper.d_ff_m, step.paper.theta_deg) == (None, None, None)
+    assert paper.floor_h_m == pytest.approx(0.17, abs=1e-12)
+    assert "no_staircase" in [note.code for note in paper.notes]
+    assert survey.steps == ()
+    assert [level.kind for level in survey.levels] == ["floor", "rejected"]
+
+
+def test_levels_that_are_no_staircase_are_rejected_with_the_reason_by_the_survey_alone():
+    scan = with_normals(np.concatenate([flat(z, seed=k) for k, z in enumerate((0.0, 0.74, 2.4))]))
+    paper, survey = (inspect(scan, exact_params(method=method)) for method in ("paper", "survey"))
+    assert [step.step_id for step in paper.steps] == [1, 2]
+    assert [level.kind for level in paper.levels] == ["floor", "tread", "tread"]
+    assert survey.steps == ()
+    assert [level.kind for level in survey.levels] == ["floor", "rejected", "rejected"]
+    (note,) = [note for note in survey.notes if note.code == "no_staircase"]
+    assert note.message == f"no staircase found: {survey.levels[1].reason}"
+    assert survey.levels[0].reason is None
+    assert note.message in [note.message for note in paper.notes]
+
+
+def test_steps_are_reviewed_where_they_are_kept_and_only_there():
+    line = np.column_stack([np.full(80, 0.5), np.linspace(0, 1, 80), np.full(80, 0.74)])
+    scan = with_normals(np.concatenate([flat(0.0), line, flat(2.4)]))
+    paper, survey = (inspect(scan, exact_params(method=method)) for method in ("paper", "survey"))
+    assert [note.step for note in paper.notes if note.code == "no_plane"] == [1]
+    assert [note.step for note in survey.notes if note.code == "no_plane"] == []
+
+
+def test_a_collinear_level_is_a_step_without_a_plane_and_a_note():
+    stair_points, stair_normals = NOISY.sample()
+    line = np.column_stack([np.full(80, 1.5), np.linspace(0, 1, 80), np.full(80, 1.02)])
+    scan = make_scan(
+        np.concatenate([stair_points, line]), np.concatenate([stair_normals, np.tile([0.0, 0.0, 1.0], (80, 1))])
+    )
+    inspection = inspect(scan, exact_params())
+    last = inspection.steps[-1]
+    assert last.plane.normal is None
+    assert last.plane.rms_m is None
+    assert [(note.code, note.step) for note in inspection.notes if note.stage == "paper"] == [("no_plane", 6)]
+
+
+def test_more_than_500_levels_cannot_be_measured():
+    heights = np.arange(501) * 0.05
+    points = np.column_stack([np.cos(heights), np.sin(heights), heights])
+    params = exact_params(levels=LevelsParams(eps_m=0.001, min_points=1))
+    with pytest.raises(CannotMeasure, match=r"^levels: 501 height clusters, more than 500 can be steps; raise"):
+        inspect(with_normals(points), params)
+
+
+@pytest.mark.parametrize(
+    "points", [np.zeros((3, 3)), np.full((60, 3), 0.3), np.outer(np.arange(60.0), [1, 1, 0])], ids=str
+)
+@pytest.mark.parametrize("up", ["z", "auto"])
+def test_too_little_to_measure_is_one_sentence(points, up):
+    with pytest.raises(CannotMeasure) as error:
+        inspect(make_scan(points), Params(up=up))
+    assert str(error.value).startswith("synthetic.ply: ")
+    assert "\n" not in str(error.value)
+
+
+# --- contract ------------------------------------------------------------------------------------------------------
+
+
+def test_the_scan_is_left_as_it_was_and_everything_is_read_only():
+    scan = NOISY.scan()
+    before = scan.points.copy(), scan.normals.copy(), scan.origin_m.copy()
+    inspection = inspect(scan, Params())
+    for array, was in zip((scan.points, scan.normals, scan.origin_m), before, strict=True):
+        np.testing.assert_array_equal(array, was)
+        assert not array.flags.writeable
+    arrays = [inspection.labels, inspection.up.vector, inspection.axes.width, inspection.axes.depth]
+    arrays += [inspection.floor.centroid, inspection.floor.normal]
+    for step in inspection.steps:
+        arrays += [step.corners, step.nearest_ids, step.plane.centroid, step.plane.normal]
+    assert all(not array.flags.writeable for array in arrays)
+
+
+@pytest.mark.parametrize("method", ["survey", "paper"])
+def test_the_same_input_gives_the_same_result(method):
+    params = Params(method=method, unit="m")
+    assert result_of(inspect(NOISY.scan(), params)) == result_of(inspect(NOISY.scan(), params))
+
+
+def test_two_processes_give_the_same_bytes_with_up_from_the_floor():
+    script = (
+        "import hashlib, json; from tests.test_pipeline import NOISY, Params, inspect, result_of;"
+        "text = json.dumps(result_of(inspect(NOISY.scan(), Params())));"
+        "print(hashlib.sha256(text.encode()).hexdigest())"
+    )
+    digests = set()
+    for threads in ("1", "4"):
+        # Neither the number of threads nor the hash seed may reach a number.
+        environment = os.environ | {"OMP_NUM_THREADS": threads, "PYTHONHASHSEED": threads, "PYTHONPATH": str(ROOT)}
+        run = subprocess.run(
+            [sys.executable, "-c", script], cwd=ROOT, env=environment, capture_output=True, text=True, check=True
+        )
+        digests.add(run.stdout.strip())
+    here = json.dumps(result_of(inspect(NOISY.scan(), Params())))
+    assert digests == {hashlib.sha256(here.encode()).hexdigest()}
+
+
+def test_the_result_carries_its_settings_and_timings():
+    params = exact_params(horizontal=HorizontalParams(theta_deg=12.0))
+    inspection = inspect(NOISY.scan(), params)
+    assert inspection.params is params
+    assert list(inspection.timings_s) == ALL_STAGES
+    assert all(seconds >= 0.0 for seconds in inspection.timings_s.values())
+
+
+# --- memo ----------------------------------------------------------------------------------------------------------
+
+
+def test_there_is_a_change_for_every_setting():
+    settings = inspection_to_dict(inspect(NOISY.scan(), exact_params()))["settings"]
+    names = [
+        f"{group}.{name}" if isinstance(values, dict) else group
+        for group, values in settings.items()
+        for name in (values if isinstance(values, dict) else [""])
+    ]
+    assert sorted(CHANGES) == sorted(names)
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_memo_gives_what_a_plain_run_gives(name):
+    scan, memo, before = NOISY.scan(), Memo(), Params()
+    after = before.replaced(name, CHANGES[name])
+    first = result_of(inspect(scan, before, memo))
+    assert result_of(inspect(scan, after, memo)) == result_of(inspect(scan, after))
+    assert result_of(inspect(scan, before, memo)) == first == result_of(inspect(scan, before))
+
+
+def test_memo_gives_what_a_plain_run_gives_through_a_drag_over_all_sliders():
+    scan, memo, params = NOISY.scan(), Memo(), exact_params()
+    rng = np.random.default_rng(6)
+    names = [name for name in CHANGES if name not in ("up", "normals.source")]
+    for name in rng.permutation(names * 2):
+        base = exact_params()
+        default = (
+            getattr(base, name) if "." not in name else getattr(getattr(base, name.split(".")[0]), name.split(".")[1])
+        )
+        current = (
+            getattr(params, name)
+            if "." not in name
+            else getattr(getattr(params, name.split(".")[0]), name.split(".")[1])
+        )
+        params = params.replaced(str(name), CHANGES[name] if current == default else default)
+        assert result_of(inspect(scan, params, memo)) == result_of(inspect(scan, params))
+
+
+@pytest.mark.parametrize(
+    ("name", "stages"),
+    [
+        ("normals.k", ALL_STAGES),
+        ("up", ALL_STAGES[1:]),
+        ("floor.distance_m", ALL_STAGES[1:]),
+        ("horizontal.theta_deg", [*FROM_HORIZONTAL, "profile"]),
+        ("levels.eps_m", FROM_HORIZONTAL[1:]),
+        ("levels.min_points", FROM_HORIZONTAL[2:]),
+        ("axes.rule", ["axes", "extents", "edges", "paper"]),
+        ("method", ["axes", "extents", "edges", "paper"]),
+        ("edges.front_percentile", ["edges", "paper"]),
+        ("edges.back_percentile", ["edges", "paper"]),
+        ("edges.side_percentile", ["edges", "paper"]),
+        ("display.nearest_k", ["nearest", "paper"]),
+        ("unit", []),
+    ],
+)
+def test_memo_runs_only_what_depends_on_the_setting(name, stages):
+    scan, memo = NOISY.scan(), Memo()
+    inspect(scan, Params(), memo)
+    assert list(inspect(scan, Params().replaced(name, CHANGES[name]), memo).timings_s) == stages
+
+
+def test_memo_runs_nothing_for_equal_settings_and_everything_for_another_scan():
+    scan, memo = NOISY.scan(), Memo()
+    inspect(scan, exact_params(), memo)
+    assert inspect(scan, exact_params(), memo).timings_s == {}
+    assert list(inspect(NOISY.scan(), exact_params(), memo).timings_s) == ALL_STAGES
+
+
+def test_memo_survives_a_setting_that_cannot_be_measured():
+    scan, memo, params = NOISY.scan(), Memo(), exact_params()
+    first = result_of(inspect(scan, params, memo))
+    spread = with_normals(np.column_stack([np.zeros(501), np.arange(501) % 2, np.arange(501) * 0.05]))
+    with pytest.raises(CannotMeasure):
+        inspect(spread, params.replaced("levels.min_points", 1), memo)
+    assert result_of(inspect(scan, params, memo)) == first
+
+
+def test_memo_hands_the_slow_stages_over_and_announces_every_stage():
+    heavy, stages = [], []
+
+    def run(function, *inputs):
+        heavy.append(function.__name__)
+        return function(*inputs)
+
+    inspect(NOISY.scan(), Params(), Memo(heavy=run, on_stage=stages.append))
+    assert heavy == ["find_normals", "find_up"]
+    assert stages == ALL_STAGES
+    heavy.clear()
+    inspect(NOISY.scan(), Params(up="z"), Memo(heavy=run))
+    assert heavy == ["find_normals"]
