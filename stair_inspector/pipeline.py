@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from stair_inspector.model import Inspection, Scan
-from stair_inspector.params import Params
+from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
 from stair_inspector.stages.verdict import conclude
@@ -73,7 +73,9 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     memo = memo or Memo()
     memo.timings_s = {}
     normals = memo.run("normals", orient.find_normals, scan, params.normals, heavy=True)
-    up = memo.run("up", orient.find_up, scan, normals, params.up, params.floor, heavy=params.up == "auto")
+    # With a given up the floor's tolerance is not read, so a change of it must not run everything again.
+    floor = params.floor if params.up == "auto" else FloorParams()
+    up = memo.run("up", orient.find_up, scan, normals, params.up, floor, heavy=params.up == "auto")
     heights = memo.run("heights", orient.order_by_height, scan, normals, up)
     horizontal = memo.run("horizontal", find.select_horizontal, heights, params.horizontal)
     reach = memo.run("reach", find.find_height_reach, horizontal, params.levels.eps_m)

@@ -53,12 +53,12 @@ def guess_unit(points: Floats) -> tuple[KnownUnit, Note]:
     else:
         unit = "mm"
     size_m = size * METRES_PER_UNIT[unit]
-    message = f"Unit guessed: {_UNIT_NAMES[unit]}, which makes the scan {size_m:.3g} m in size"
+    message = f"unit guessed: {_UNIT_NAMES[unit]}, which makes the scan {size_m:.3g} m in size"
     if size_m < _SMALLEST_PLAUSIBLE_M:
         message += ", too small for a staircase"
     elif size_m > _LARGEST_IN_METRES:
         message += ", too large for a staircase"
-    return unit, Note("unit_guessed", READ_STAGE, f"{message}; if that is wrong, state the unit with --unit.")
+    return unit, Note("unit_guessed", READ_STAGE, f"{message}; if that is wrong, state the unit with --unit")
 
 
 def check_range(points: Floats) -> None:

@@ -253,9 +253,7 @@ def _read_ascii(data: bytes, header: PcdHeader) -> RawCloud:
             continue
         packed = _packed_from_ascii(column, np.dtype(item.type))
         if packed is None:
-            notes += (
-                Note("colors_dropped", READ_STAGE, f"Colours dropped: not every {item.name} is a packed colour."),
-            )
+            notes += (Note("colors_dropped", READ_STAGE, f"colours dropped: not every {item.name} is a packed colour"),)
         else:
             columns[item.name] = packed
     return _cloud(columns, notes)

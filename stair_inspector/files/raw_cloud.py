@@ -203,7 +203,7 @@ def cut_note() -> tuple[Note, ...]:
         Note(
             "last_line_unfinished",
             READ_STAGE,
-            "The file ends without a line end, so its last number may have lost digits.",
+            "the file ends without a line end, so its last number may have lost digits",
         ),
     )
 
@@ -250,7 +250,7 @@ def cloud_from_columns(columns: Mapping[str, NDArray[Any]], notes: Sequence[Note
         colors = _to_bytes([columns[name] for name in color_names])
         if colors is None:
             noted.append(
-                Note("colors_dropped", READ_STAGE, "Colours dropped: they are neither 0 to 1, 0 to 255 nor 16-bit.")
+                Note("colors_dropped", READ_STAGE, "colours dropped: they are neither 0 to 1, 0 to 255 nor 16-bit")
             )
     normal_names = _first_present(columns, _NORMAL_NAMES)
     normals = None if normal_names is None else _stacked(columns, normal_names)

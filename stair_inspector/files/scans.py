@@ -213,7 +213,7 @@ def _to_scan(raw: RawCloud, unit: Unit, name: str, sha256: str) -> Scan:
     if raw.normals is not None:
         normals = unit_normals(raw.normals[kept])
         if normals is None:
-            message = "The normals in the file were dropped: some are zero or not finite."
+            message = "the normals in the file were dropped: some are zero or not finite"
             notes.append(Note("normals_dropped", READ_STAGE, message))
     colors: Colors | None = None if raw.colors is None else raw.colors[kept]
     return Scan(
@@ -230,4 +230,4 @@ def _to_scan(raw: RawCloud, unit: Unit, name: str, sha256: str) -> Scan:
 
 
 def _dropped(code: str, count: int, of: int, why: str) -> Note:
-    return Note(code, READ_STAGE, f"{count:,} of {of:,} points dropped: {why}.")
+    return Note(code, READ_STAGE, f"{count:,} of {of:,} points dropped: {why}")

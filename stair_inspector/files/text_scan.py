@@ -218,7 +218,7 @@ def _cloud_without_names(values: Floats, notes: Sequence[Note]) -> RawCloud:
     if n_rest > max(used, 1):
         message = (
             f"{n_rest} columns after x, y, z were ignored: they are neither colours (whole numbers 0 to 255) nor unit "
-            "normals; a first line that names the columns settles it."
+            "normals; a first line that names the columns settles it"
         )
         notes = [*notes, Note("columns_ignored", READ_STAGE, message)]
     return cloud_from_columns(columns, notes)

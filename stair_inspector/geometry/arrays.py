@@ -39,10 +39,18 @@ def own(array: Any, shape: tuple[int | None, ...], name: str, dtype: Any = np.fl
         raise DegenerateGeometry(f"{name}: expected shape {shape}, got {taken.shape}")
     if np.issubdtype(taken.dtype, np.floating) and not np.isfinite(taken).all():
         raise DegenerateGeometry(f"{name}: contains values that are not finite")
-    if taken.flags.writeable:
-        taken = taken.copy() if taken is array or taken.base is not None else taken
-        taken.flags.writeable = False
-    return taken
+    base = taken.base
+    is_lent = isinstance(base, np.ndarray) and base.flags.writeable
+    # A read-only view is no protection when whoever holds what it looks at can still write there.
+    if is_lent or (taken is array and taken.flags.writeable):
+        taken = taken.copy()
+    return freeze(taken)
+
+
+def freeze(array: NDArray[Any]) -> NDArray[Any]:
+    """Mark an array that its maker has just made, and nobody else holds, as read-only; return it."""
+    array.flags.writeable = False
+    return array
 
 
 def project(rows: Floats, direction: Floats) -> Floats:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats, Ints, own
+from stair_inspector.geometry.arrays import Floats, Ints, freeze
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +59,7 @@ def find_reach(ordered: Floats, eps: float) -> Reach:
         ids = ids[(ordered[stop[ids] - 1] - ordered[ids]) ** 2 > limit]
     # Being neighbours is symmetric, so j's first neighbour is the number of i whose range ends at or before j.
     first = np.cumsum(np.bincount(stop, minlength=n + 1))[:n]
-    return Reach(own(first, (n,), "first", np.int64), own(stop, (n,), "stop", np.int64))
+    return Reach(freeze(first), freeze(stop))
 
 
 def cluster_sorted(reach: Reach, min_points: int) -> Clusters1D:
@@ -82,12 +82,11 @@ def cluster_sorted(reach: Reach, min_points: int) -> Clusters1D:
     .. [1] Ester, Kriegel, Sander, Xu: A density-based algorithm for discovering clusters in large spatial databases
        with noise, KDD 1996, definitions 1 to 6.
     """
-    n = len(reach.first)
     is_core = reach.stop - reach.first >= min_points
     core = np.flatnonzero(is_core)
     if core.size == 0:
-        none = own(np.zeros(0), (0,), "start", np.int64)
-        return Clusters1D(none, none, own(is_core, (n,), "is_core", np.bool_))
+        none = freeze(np.zeros(0, dtype=np.int64))
+        return Clusters1D(none, none, freeze(is_core))
     # A new cluster begins at each core value that the core value before it does not reach.
     begins = np.flatnonzero(np.concatenate([[True], core[1:] >= reach.stop[core[:-1]]]))
     lowest = core[begins]
@@ -95,7 +94,7 @@ def cluster_sorted(reach: Reach, min_points: int) -> Clusters1D:
     stop = reach.stop[highest]
     start = np.maximum(reach.first[lowest], np.concatenate([[0], stop[:-1]]))
     return Clusters1D(
-        own(start, (None,), "start", np.int64),
-        own(stop, (None,), "stop", np.int64),
-        own(is_core, (n,), "is_core", np.bool_),
+        freeze(start),
+        freeze(stop),
+        freeze(is_core),
     )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from stair_inspector.errors import CannotMeasure
-from stair_inspector.geometry.arrays import own
+from stair_inspector.geometry.arrays import freeze
 from stair_inspector.geometry.clusters import Reach, cluster_sorted, find_reach
 from stair_inspector.model import NON_STAIR_LABEL, HeightOrder, HeightProfile, Horizontal, Levels
 from stair_inspector.params import HorizontalParams, LevelsParams
@@ -20,8 +20,8 @@ def select_horizontal(heights: HeightOrder, params: HorizontalParams) -> Horizon
     """Keep the points H = { p_i : |n_i . u| >= cos(theta_th) } (step 2 of the paper), sorted by height."""
     ids = np.flatnonzero(heights.alignment >= math.cos(math.radians(params.theta_deg)))
     return Horizontal(
-        point_ids=own(heights.point_ids.take(ids), (None,), "point_ids", np.int64),
-        coordinates_m=own(heights.coordinates_m.take(ids, axis=1), (3, None), "coordinates_m"),
+        point_ids=freeze(heights.point_ids.take(ids)),
+        coordinates_m=freeze(heights.coordinates_m.take(ids, axis=1)),
         level_from_scan=heights.level_from_scan,
         up=heights.up,
         n_scan=len(heights.point_ids),
@@ -55,7 +55,7 @@ def find_levels(horizontal: Horizontal, reach: Reach, params: LevelsParams) -> L
     labels = np.full(horizontal.n_scan, NON_STAIR_LABEL, dtype=np.int16)
     for level_id, (start, stop) in enumerate(zip(clusters.start, clusters.stop, strict=True)):
         labels[horizontal.point_ids[start:stop]] = level_id
-    return Levels(clusters.start, clusters.stop, own(labels, (horizontal.n_scan,), "labels", np.int16))
+    return Levels(clusters.start, clusters.stop, freeze(labels))
 
 
 def profile_heights(horizontal: Horizontal, bin_m: float = PROFILE_BIN_M) -> HeightProfile:
@@ -67,10 +67,10 @@ def profile_heights(horizontal: Horizontal, bin_m: float = PROFILE_BIN_M) -> Hei
     """
     heights = horizontal.coordinates_m[2]
     if len(heights) == 0:
-        return HeightProfile(0.0, bin_m, own(np.zeros(0), (0,), "counts", np.int64))
+        return HeightProfile(0.0, bin_m, freeze(np.zeros(0, dtype=np.int64)))
     low, high = float(heights[0]), float(heights[-1])
     bin_m = max(bin_m, (high - low) / _MAX_BINS)
     n_bins = int((high - low) / bin_m) + 1
     edges = low + bin_m * np.arange(1, n_bins)
     ends = np.concatenate([[0], np.searchsorted(heights, edges), [len(heights)]])
-    return HeightProfile(low, bin_m, own(np.diff(ends), (n_bins,), "counts", np.int64))
+    return HeightProfile(low, bin_m, freeze(np.diff(ends)))

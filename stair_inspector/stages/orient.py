@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from stair_inspector.errors import CannotMeasure, ConfigError, DegenerateGeometry
-from stair_inspector.geometry.arrays import Floats, own, project
+from stair_inspector.geometry.arrays import Floats, freeze, own, project
 from stair_inspector.geometry.clusters import cluster_sorted, find_reach
 from stair_inspector.geometry.fits import PlaneFit, find_plane_ransac, spread_rank
 from stair_inspector.geometry.normals import estimate_normals
@@ -53,7 +53,7 @@ def find_normals(scan: Scan, params: NormalsParams) -> Normals:
         if scan.normals is None:
             raise ConfigError(f"normals.source: {scan.name} holds no normals; use 'estimate'")
         return Normals(scan.normals)
-    return Normals(own(estimate_normals(scan.points, params.k), (None, 3), "normals"))
+    return Normals(freeze(estimate_normals(scan.points, params.k)))
 
 
 def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams) -> Up:
@@ -109,11 +109,10 @@ def order_by_height(scan: Scan, normals: Normals, up: Up) -> HeightOrder:
     rows = np.ascontiguousarray(scan.points.T)
     coordinates = np.stack([project(rows, axis) for axis in level_from_scan])
     order = np.argsort(coordinates[2], kind="stable")
-    n = len(order)
     return HeightOrder(
-        point_ids=own(order, (n,), "point_ids", np.int64),
-        alignment=own(np.abs(project(normals.vectors.T, u))[order], (n,), "alignment"),
-        coordinates_m=own(coordinates[:, order], (3, n), "coordinates_m"),
+        point_ids=freeze(order),
+        alignment=freeze(np.abs(project(normals.vectors.T, u))[order]),
+        coordinates_m=freeze(coordinates[:, order]),
         level_from_scan=own(level_from_scan, (3, 3), "level_from_scan"),
         up=up,
     )

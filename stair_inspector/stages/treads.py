@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats, Ints, own, project
+from stair_inspector.geometry.arrays import Floats, Ints, freeze, own, project
 from stair_inspector.geometry.fits import PlaneFit, fit_plane_rows, principal_axis
 from stair_inspector.geometry.percentiles import percentile_of_sorted
 from stair_inspector.model import Axes, Edges, Extents, Horizontal, Levels, NearestPoints, Note, Surfaces
@@ -111,8 +111,8 @@ def find_extents(horizontal: Horizontal, levels: Levels, axes: Axes) -> Extents:
     depth, width = [], []
     for start, stop in zip(levels.start[1:], levels.stop[1:], strict=True):
         rows = horizontal.coordinates_m[:2, start:stop]
-        depth.append(own(np.sort(project(rows, plan @ axes.depth)), (None,), "depth_m"))
-        width.append(own(np.sort(project(rows, plan @ axes.width)), (None,), "width_m"))
+        depth.append(freeze(np.sort(project(rows, plan @ axes.depth))))
+        width.append(freeze(np.sort(project(rows, plan @ axes.width))))
     return Extents(tuple(depth), tuple(width))
 
 
@@ -143,7 +143,7 @@ def find_nearest(horizontal: Horizontal, levels: Levels, surfaces: Surfaces, par
         distance = np.einsum("ij,ij->j", offset, offset)
         few = np.argpartition(distance, k - 1)[:k] if 0 < k < len(distance) else np.arange(k)
         few = few[np.argsort(distance[few], kind="stable")]
-        nearest.append(own(horizontal.point_ids[start:stop][few], (k,), "nearest_ids", np.int64))
+        nearest.append(freeze(horizontal.point_ids[start:stop][few]))
     return NearestPoints(tuple(nearest))
 
 
