@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.atomic import write_atomically
+from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.simulate.samples import SAMPLES
@@ -81,8 +81,9 @@ def write_simulation(path: Path, simulated: SimulatedScan) -> list[Path]:
     truth_path = path.with_suffix(".truth.json")
     is_far = float(np.abs(simulated.points).max()) > _SINGLE_REACH_M
     text = json.dumps(truth_of(simulated), indent=2, sort_keys=True, allow_nan=False) + "\n"
-    write_atomically(path, ply_bytes(simulated.points, simulated.colors, double=is_far))
-    write_atomically(truth_path, text.encode("ascii"))
+    write_all_atomically(
+        {path: ply_bytes(simulated.points, simulated.colors, double=is_far), truth_path: text.encode("ascii")}
+    )
     return [path, truth_path]
 
 

@@ -156,7 +156,7 @@ def place_stations(building: Building, scanner: Scanner, rng: np.random.Generato
         if previous is not None:
             travelled += math.dist(position, previous)
         previous = position
-        draws = rng.standard_normal(5)
+        draws = rng.standard_normal(4)
         # The first station is the frame of the others.
         shifts = (draws[:3] * scanner.registration_m if index else np.zeros(3)) + drift * (
             scanner.drift_m_per_m * travelled
@@ -166,7 +166,7 @@ def place_stations(building: Building, scanner: Scanner, rng: np.random.Generato
                 position=position,
                 shift_m=(float(shifts[0]), float(shifts[1]), float(shifts[2])),
                 tilt_rad=math.radians(scanner.tilt_deg) * float(draws[3]),
-                tilt_azimuth_rad=float(draws[4]),
+                tilt_azimuth_rad=2.0 * math.pi * float(rng.random()),
             )
         )
     return tuple(stations)

@@ -18,6 +18,7 @@ Sides = Literal["none", "left", "right", "both"]
 SLAB_M = 0.04
 """Thickness of a tread's slab, metres: the height of the nosing's upright face."""
 
+_LARGEST_OFFSET_M = 1e8
 _SMALLEST_RISE_M = 0.06
 _SMALLEST_GOING_M = 0.1
 
@@ -385,7 +386,7 @@ def parse_offset(text: str) -> tuple[float, float, float]:
     Raises
     ------
     ConfigError
-        Not three finite numbers.
+        Not three finite numbers, or one beyond 1e8.
 
     Examples
     --------
@@ -398,4 +399,8 @@ def parse_offset(text: str) -> tuple[float, float, float]:
         parts = []
     if len(parts) != 3 or not all(math.isfinite(part) for part in parts):
         raise ConfigError(f"stair.offset_m: got {text!r}; give three numbers such as 691000,5335000,520")
+    if max(abs(part) for part in parts) > _LARGEST_OFFSET_M:
+        raise ConfigError(
+            f"stair.offset_m: got {text!r}; give numbers within {_LARGEST_OFFSET_M:g} m, as in any map grid"
+        )
     return (parts[0], parts[1], parts[2])
