@@ -16,7 +16,7 @@ import tyro
 from typing_extensions import Doc
 
 from stair_inspector import __version__
-from stair_inspector.errors import ConfigError, StairError, WriteError
+from stair_inspector.errors import CannotMeasure, ConfigError, StairError, WriteError
 from stair_inspector.files.settings import find_preset, list_presets
 from stair_inspector.params import NAMED_UP, Params
 from stair_inspector.simulate.specs import Scanner, Stair
@@ -142,12 +142,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         if "--debug" in args:
             traceback.print_exc()
         return _report(error)
-    except BrokenPipeError:
-        # The reader of stdout, such as head, has seen enough. Nothing more can be printed.
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - must outlive this function
-        return 0
     except KeyboardInterrupt:
         return 130
+    except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
+        if "--debug" in args:
+            traceback.print_exc()
+        return _report(CannotMeasure(f"{_internal(error)}; run again with --debug and report what it prints"))
 
 
 def _view(args: list[str]) -> int:
@@ -204,8 +204,9 @@ def _measure(args: list[str]) -> int:
             paths += find_scans([given])
         except StairError as error:
             worst = max(worst, _report(error))
-    paths = list(dict.fromkeys(paths))
+    paths = list({path.resolve(): path for path in paths}.values())
     _check_stems(paths)
+    _check_overwriting(paths, measure.out)
     for path in paths:
         try:
             scan = read_scan(path, measure.settings.unit)
@@ -216,8 +217,12 @@ def _measure(args: list[str]) -> int:
                 traceback.print_exc()
             worst = max(worst, _report(error))
             continue
-        print(_summary(inspection))
-        print("  wrote " + ", ".join(str(file) for file in written) + "\n")
+        except (MemoryError, OSError) as error:
+            if measure.debug:
+                traceback.print_exc()
+            worst = max(worst, _report(CannotMeasure(f"{path}: {_internal(error)}; thin the scan out and try again")))
+            continue
+        _say(f"{_summary(inspection)}\n  wrote {', '.join(str(file) for file in written)}\n")
     return worst
 
 
@@ -231,12 +236,11 @@ def _simulate(args: list[str]) -> int:
     simulate = _parse(Simulate, "simulate", args, start)
     from stair_inspector.files.simulations import simulate_to_file, write_samples
 
+    _check_folder(simulate.out if simulate.samples else simulate.out.parent)
     written = write_samples(simulate.out) if simulate.samples else []
     if not simulate.samples:
-        if simulate.out.suffix.lower() != ".ply":
-            raise ConfigError(f"{simulate.out}: the simulated scan is a PLY file; give a name that ends in .ply")
         written = simulate_to_file(simulate.out, simulate.stair, simulate.scanner)
-    print("wrote " + "\n      ".join(str(path) for path in written))
+    _say("wrote " + "\n      ".join(str(path) for path in written))
     return 0
 
 
@@ -345,6 +349,33 @@ def _check_stems(paths: list[Path]) -> None:
         other = first.setdefault(path.stem, path)
         if other is not path:
             raise ConfigError(f"{path} and {other} would both be written as {path.stem}.json; measure them apart")
+
+
+def _check_overwriting(paths: list[Path], folder: Path) -> None:
+    """Raise when a result would take the place of a scan."""
+    from stair_inspector.files.exports import result_paths
+
+    scans = {path.resolve(): path for path in paths}
+    for path in paths:
+        for result in result_paths(folder, path.stem):
+            if result.resolve() in scans:
+                raise ConfigError(f"{result}: this result would overwrite a scan; give another folder with -o")
+
+
+def _internal(error: BaseException) -> str:
+    if isinstance(error, MemoryError):
+        return "there is not enough memory"
+    if isinstance(error, OSError) and error.strerror:
+        return f"the system reports: {error.strerror}"
+    return f"internal error ({type(error).__name__}: {error})"
+
+
+def _say(text: str) -> None:
+    """Print a result. A reader that has seen enough, such as head, must not stop the work."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - must outlive this function
 
 
 def _report(error: StairError) -> int:

@@ -116,8 +116,8 @@ class LevelsParams(Group):
     ] = 0.02
     min_points: Annotated[
         int,
-        Knob(1, 2000, 1, "points in reach", symbol="m"),
-        Doc("m: smallest neighbourhood of a core point, the point itself included (1 to 2000)."),
+        Knob(1, 5000, 1, "points in reach", symbol="m"),
+        Doc("m: smallest neighbourhood of a core point, the point itself included (1 to 5000)."),
     ] = 50
 
 
@@ -282,7 +282,7 @@ def check_value(name: str, value: object, kind: Any, knob: Knob | None) -> None:
         if knob is not None and not knob.low <= typing.cast(float, value) <= knob.high:
             raise ConfigError(f"{name}: got {value!r}; give a value from {knob.low:g} to {knob.high:g}")
     elif not isinstance(value, kind):
-        raise ConfigError(f"{name}: got {value!r}; give a {kind.__name__}")
+        raise ConfigError(f"{name}: got {value!r}; give a text")
 
 
 _FIELDS: dict[type, dict[str, tuple[Any, Knob | None]]] = {}

@@ -73,9 +73,10 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     memo = memo or Memo()
     memo.timings_s = {}
     normals = memo.run("normals", orient.find_normals, scan, params.normals, heavy=True)
-    # With a given up the floor's tolerance is not read, so a change of it must not run everything again.
-    floor = params.floor if params.up == "auto" else FloorParams()
-    up = memo.run("up", orient.find_up, scan, normals, params.up, floor, heavy=params.up == "auto")
+    # A given up needs neither floor nor method, so a change of them must not run everything again.
+    is_auto = params.up == "auto"
+    how = (params.floor, params.method) if is_auto else (FloorParams(), "survey")
+    up = memo.run("up", orient.find_up, scan, normals, params.up, *how, heavy=is_auto)
     heights = memo.run("heights", orient.order_by_height, scan, normals, up)
     horizontal = memo.run("horizontal", find.select_horizontal, heights, params.horizontal)
     reach = memo.run("reach", find.find_height_reach, horizontal, params.levels.eps_m)

@@ -328,8 +328,7 @@ def test_an_output_that_fails_while_writing_is_exit_2(run, stair_file, tmp_path)
     code, _, err = run("measure", stair_file, "-o", tmp_path, *UP_Z)
     assert code == 2
     assert err == (
-        f"stair-inspector: {tmp_path / 'stair.csv'}: cannot be written (Is a directory); "
-        "choose a folder you may write to\n"
+        f"stair-inspector: {tmp_path / 'stair.csv'}: cannot be written (it is a folder); choose another folder\n"
     )
 
 
@@ -399,13 +398,54 @@ def test_an_interrupt_leaves_with_130(monkeypatch):
     assert cli.main(["presets"]) == 130
 
 
-def test_a_defect_of_the_program_is_not_hidden_as_an_error_of_the_user(monkeypatch):
+def test_a_defect_of_the_program_is_one_line_that_says_so(monkeypatch, capsys):
     def defect(_):
-        raise ZeroDivisionError
+        raise ZeroDivisionError("none")
 
     monkeypatch.setattr(cli, "_presets", defect)
-    with pytest.raises(ZeroDivisionError):
-        cli.main(["presets"])
+    assert cli.main(["presets"]) == 3
+    assert capsys.readouterr().err == (
+        "stair-inspector: internal error (ZeroDivisionError: none); run again with --debug and report what it prints\n"
+    )
+    assert cli.main(["presets", "--debug"]) == 3
+    assert "Traceback" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["scan.csv", "scan_debug.ply"])
+def test_a_result_never_takes_the_place_of_a_scan(run, stair_file, tmp_path, name):
+    folder = tmp_path / "site"
+    folder.mkdir()
+    scan = folder / "scan.ply"
+    scan.write_bytes(stair_file.read_bytes())
+    victim = folder / name
+    victim.write_bytes(b"0 0 0\n1 1 1\n")
+    code, _, err = run("measure", scan, victim, "-o", folder, *UP_Z)
+    assert code == 2
+    assert "scan" in err
+    assert victim.read_bytes() == b"0 0 0\n1 1 1\n"
+    assert sorted(path.name for path in folder.iterdir()) == sorted(["scan.ply", name])
+
+
+def test_the_text_scan_that_would_become_its_own_table_is_refused(run, tmp_path):
+    scan = tmp_path / "scan.csv"
+    scan.write_text("x,y,z\n" + "".join(f"{k % 10},{k // 10},0\n" for k in range(100)))
+    code, _, err = run("measure", scan, "-o", tmp_path)
+    assert code == 2
+    assert err == f"stair-inspector: {scan}: this result would overwrite a scan; give another folder with -o\n"
+
+
+def test_a_reader_that_has_seen_enough_does_not_stop_the_work(stair_file, tmp_path):
+    copies = [tmp_path / f"s{k}.ply" for k in range(3)]
+    for copy in copies:
+        copy.write_bytes(stair_file.read_bytes())
+    program = "import sys; from stair_inspector.cli import main; sys.exit(main())"
+    command = [sys.executable, "-c", program, "measure", *map(str, copies), "-o", str(tmp_path / "out"), "--up", "z"]
+    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    done.stdout.close()
+    with done.stderr:
+        assert done.stderr.read() == b""
+    assert done.wait(timeout=120) == 0
+    assert len(list((tmp_path / "out").glob("*.json"))) == 3
 
 
 def test_config_errors_are_value_errors_so_that_tyro_reports_them():

@@ -78,7 +78,7 @@ def test_a_whole_number_is_wanted_where_things_are_counted():
         ("unit", "parsec", "unit: got 'parsec'; give one of auto, m, cm, mm, in, ft"),
         ("axes.rule", 3, "axes.rule: got 3; give one of auto, global, per_step"),
         ("normals.source", None, "normals.source: got None; give one of estimate, given"),
-        ("up", 3, "up: got 3; give a str"),
+        ("up", 3, "up: got 3; give a text"),
         ("levels", {}, "levels: unknown setting"),
         ("levels.eps", 0.1, "levels.eps: unknown setting"),
         ("level.eps_m", 0.1, "level.eps_m: unknown setting"),

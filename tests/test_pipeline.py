@@ -426,7 +426,8 @@ def test_memo_gives_what_a_plain_run_gives_through_a_drag_over_all_sliders():
         ("levels.eps_m", FROM_HORIZONTAL[1:]),
         ("levels.min_points", FROM_HORIZONTAL[2:]),
         ("axes.rule", ["axes", "extents", "edges", "paper"]),
-        ("method", ["axes", "extents", "edges", "paper"]),
+        # The survey looks for the floor among several planes.
+        ("method", ALL_STAGES[1:]),
         ("edges.front_percentile", ["edges", "paper"]),
         ("edges.back_percentile", ["edges", "paper"]),
         ("edges.side_percentile", ["edges", "paper"]),
@@ -438,6 +439,15 @@ def test_memo_runs_only_what_depends_on_the_setting(name, stages):
     scan, memo = NOISY.scan(), Memo()
     inspect(scan, Params(), memo)
     assert list(inspect(scan, Params().replaced(name, CHANGES[name]), memo).timings_s) == stages
+
+
+@pytest.mark.parametrize(
+    ("name", "stages"), [("method", ["axes", "extents", "edges", "paper"]), ("floor.distance_m", [])]
+)
+def test_with_a_given_up_the_floor_is_of_no_concern(name, stages):
+    scan, memo = NOISY.scan(), Memo()
+    inspect(scan, Params(up="z"), memo)
+    assert list(inspect(scan, Params(up="z").replaced(name, CHANGES[name]), memo).timings_s) == stages
 
 
 def test_memo_runs_nothing_for_equal_settings_and_everything_for_another_scan():

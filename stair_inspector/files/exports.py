@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stair_inspector import __version__
-from stair_inspector.files.atomic import write_atomically
+from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.files.palettes import Palette, read_palette
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.settings import params_to_dict
@@ -19,7 +19,8 @@ from stair_inspector.model import Inspection, Measured, Scan, Step
 
 SCHEMA = "stair-inspector/inspection-1"
 _EDGE_SPACING_M = 0.002
-"""Distance of the points that draw an edge in the debug PLY."""
+_EDGE_POINTS = 2000
+"""Distance of the points that draw an edge in the debug PLY, and the most of them: a wrong unit makes long edges."""
 _SURVEY_FIELDS = (
     "rise_m",
     "going_m",
@@ -40,14 +41,15 @@ def write_inspection(scan: Scan, inspection: Inspection, folder: Path, stem: str
     WriteError
         The folder cannot be written; files that existed are untouched.
     """
-    contents = {
-        folder / f"{stem}.json": json_bytes(inspection),
-        folder / f"{stem}.csv": csv_bytes(inspection),
-        folder / f"{stem}_debug.ply": debug_ply_bytes(scan, inspection),
-    }
-    for path, data in contents.items():
-        write_atomically(path, data)
-    return list(contents)
+    paths = result_paths(folder, stem)
+    contents = (json_bytes(inspection), csv_bytes(inspection), debug_ply_bytes(scan, inspection))
+    write_all_atomically(dict(zip(paths, contents, strict=True)))
+    return list(paths)
+
+
+def result_paths(folder: Path, stem: str) -> tuple[Path, Path, Path]:
+    """Return where the JSON, the CSV and the debug PLY of a scan with this stem go."""
+    return folder / f"{stem}.json", folder / f"{stem}.csv", folder / f"{stem}_debug.ply"
 
 
 def json_bytes(inspection: Inspection) -> bytes:
@@ -158,7 +160,7 @@ def debug_ply_bytes(scan: Scan, inspection: Inspection, palette: Palette | None 
 
 
 def _points_along(start: Floats, stop: Floats) -> Floats:
-    count = max(2, int(np.ceil(np.linalg.norm(stop - start) / _EDGE_SPACING_M)) + 1)
+    count = int(min(_EDGE_POINTS, max(2.0, np.ceil(np.linalg.norm(stop - start) / _EDGE_SPACING_M) + 1.0)))
     points: Floats = start + np.linspace(0.0, 1.0, count)[:, None] * (stop - start)
     return points
 

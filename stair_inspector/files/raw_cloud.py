@@ -21,7 +21,7 @@ READ_STAGE = "read"
 RED_GREEN_BLUE = ("red", "green", "blue")
 NORMAL_XYZ = ("nx", "ny", "nz")
 TRUNCATED_HINT = "the file is truncated, copy or export it again"
-_COLOR_NAMES = (RED_GREEN_BLUE, ("r", "g", "b"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
+_COLOR_NAMES = (RED_GREEN_BLUE, ("r", "g", "b"), ("rf", "gf", "bf"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
 _NORMAL_NAMES = (NORMAL_XYZ, ("normal_x", "normal_y", "normal_z"))
 _COUNT_DIGITS = 15
 """A count with more digits exceeds any file."""

@@ -42,6 +42,10 @@ _OTHER_FORMATS = {
 _HINT = "export the scan as PLY, PCD, XYZ, PTS or CSV"
 
 
+_RESULT_MARK = b'"stair-inspector/inspection-1"'
+"""Stands near the beginning of every JSON that ``measure`` writes."""
+
+
 def find_scans(paths: Sequence[Path]) -> list[Path]:
     """Return the scans that a user named: files as they are, folders as the scans in them.
 
@@ -79,10 +83,15 @@ def find_scans(paths: Sequence[Path]) -> list[Path]:
 
 
 def _is_result(path: Path) -> bool:
-    """Return whether a file is a table or debug cloud of ours: its JSON lies beside it."""
-    if path.suffix == ".csv":
-        return path.with_suffix(".json").is_file()
-    return path.name.endswith("_debug.ply") and path.with_name(path.name[: -len("_debug.ply")] + ".json").is_file()
+    """Return whether a file is a table or debug cloud of ours: our JSON lies beside it."""
+    stem = next((path.name.removesuffix(end) for end in (".csv", "_debug.ply") if path.name.endswith(end)), None)
+    if stem is None:
+        return False
+    try:
+        with path.with_name(f"{stem}.json").open("rb") as stream:
+            return _RESULT_MARK in stream.read(200)
+    except OSError:
+        return False
 
 
 def read_scan(path: Path, unit: Unit = "auto") -> Scan:
@@ -98,11 +107,12 @@ def read_scan(path: Path, unit: Unit = "auto") -> Scan:
     Returns
     -------
     Scan
-        Finite, distinct points in the order of the file; ``points + origin_m`` are the file's coordinates times the
+        Finite, distinct points in the order of the file, without the repeated points at exactly 0, 0, 0 by which some
+        depth cameras mark a missing return; ``points + origin_m`` are the file's coordinates times the
         unit, to the rounding of float64. ``origin_m`` is zero where all coordinates are within 1000 m of zero, else
         whole metres near the middle of the cloud. Colours 0 to 255 and unit normals where the file has them. Notes
-        (stage ``read``): ``unit_guessed``, ``non_finite_dropped``, ``duplicates_dropped``, ``normals_dropped``,
-        ``colors_dropped``, ``columns_ignored``, ``last_line_unfinished``.
+        (stage ``read``): ``unit_guessed``, ``non_finite_dropped``, ``no_return_dropped``, ``duplicates_dropped``,
+        ``normals_dropped``, ``colors_dropped``, ``columns_ignored``, ``last_line_unfinished``.
 
     Raises
     ------
@@ -196,6 +206,10 @@ def _to_scan(raw: RawCloud, unit: Unit, name: str, sha256: str) -> Scan:
         raise ReadError(f"none of its {n_points} points is finite (all are NaN or infinite); {_HINT}")
     if len(kept) < n_points:
         notes.append(_dropped("non_finite_dropped", n_points - len(kept), n_points, "not finite (NaN or infinite)"))
+    is_no_return = ~raw.points[kept].any(axis=1)
+    if 1 < np.count_nonzero(is_no_return) < len(kept):
+        notes.append(_dropped("no_return_dropped", int(is_no_return.sum()), n_points, "all at 0, 0, 0: no return"))
+        kept = kept[~is_no_return]
     finite = raw.points[kept]
     check_range(finite)
     if unit == "auto":

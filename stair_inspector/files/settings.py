@@ -97,7 +97,7 @@ def find_preset(name_or_file: str) -> Preset:
     ConfigError
         Neither a known name nor a readable file; the known names are listed.
     """
-    if name_or_file.endswith(".toml"):
+    if name_or_file.lower().endswith(".toml") or "/" in name_or_file or "\\" in name_or_file:
         return read_preset(Path(name_or_file))
     known = {path.stem: path for path in (static_configs() / "presets").glob("*.toml")}
     if name_or_file not in known:

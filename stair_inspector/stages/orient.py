@@ -10,18 +10,23 @@ from stair_inspector.geometry.clusters import cluster_sorted, find_reach
 from stair_inspector.geometry.fits import PlaneFit, find_plane_ransac, spread_rank
 from stair_inspector.geometry.normals import estimate_normals
 from stair_inspector.model import HeightOrder, Normals, Note, Scan, Up
-from stair_inspector.params import FloorParams, NormalsParams, parse_up
+from stair_inspector.params import FloorParams, Method, NormalsParams, parse_up
 
 _MIN_POINTS = 50
 """Below this a scan has no surface to speak of."""
-_MAX_FLOOR_CANDIDATES = 4
-_CANDIDATE_SHARE = 0.3
+_MAX_FLOOR_CANDIDATES = 6
+_CANDIDATE_SHARE = 0.05
 """A plane with less than this share of the largest plane's points is not tried as the floor."""
 _LEVEL_TOLERANCE_DEG = 15.0
 _LEVEL_EPS_M = 0.02
-_LEVEL_SHARE = 0.005
-"""A level parallel to the floor counts when it holds at least this share of the scan."""
+_LEVEL_SHARE = 0.01
+"""A level parallel to a plane counts when it holds at least this share of the points that face the same way."""
 _LEANING_DEG = 45.0
+_CEILING_SHARE = 0.8
+"""Share of the points off the plane that lie below it, above which it is no floor."""
+_LEVELLED_DEG = 20.0
+_LEVELLED_BONUS = 2.0
+"""Most scans are made with z up: a plane that leans less than this from level counts double."""
 
 
 def find_normals(scan: Scan, params: NormalsParams) -> Normals:
@@ -56,15 +61,17 @@ def find_normals(scan: Scan, params: NormalsParams) -> Normals:
     return Normals(freeze(estimate_normals(scan.points, params.k)))
 
 
-def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams) -> Up:
+def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: Method) -> Up:
     """Return the up vector: given by the user, or the normal of the RANSAC floor plane (step 1 of the paper).
 
     Notes
     -----
-    RANSAC finds planes, not floors: in a narrow stairwell the largest plane is a wall. Up to four planes are taken
-    out one after the other, and the floor is the one to which most separate levels lie parallel; where that is the
-    largest plane, the result is the paper's. A plane has no upper side either: where its normal is within 45 degrees
-    of the scan's z axis, up is on the side of +z; elsewhere it is the side on which most of the scan lies.
+    With the paper's method the floor is the largest plane, whatever it is. In a narrow stairwell that is a wall. With
+    the survey's, up to six planes are taken out one after the other, and the floor is the one that faces the way of
+    most points and most separate levels; a plane that is level in the scan's own frame counts double.
+
+    A plane has no upper side: where its normal is within 45 degrees of the scan's z axis, up is on the side of +z;
+    elsewhere it is the side on which most of the scan lies.
 
     Raises
     ------
@@ -75,18 +82,19 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams) -> Up:
     if given is not None:
         return Up(own(given, (3,), "up"), "given")
     try:
-        candidates = _find_planes(scan.points, params.distance_m)
+        wanted = 1 if method == "paper" else _MAX_FLOOR_CANDIDATES
+        candidates = _find_planes(scan.points, params.distance_m, wanted)
     except DegenerateGeometry as error:
         raise CannotMeasure(
             f"{scan.name}: no floor found ({error}); give the up direction, for example --up z"
         ) from error
-    levels = [_count_levels(scan.points, normals.vectors, plane) for plane in candidates]
-    chosen = int(np.argmax(levels))
-    vector, notes = _turn_upwards(scan.points, candidates[chosen].centroid, _normal(candidates[chosen]))
+    support = [_count_levels(scan.points, normals.vectors, plane) for plane in candidates]
+    chosen = _choose_floor(candidates, support)
+    vector, notes = _turn_upwards(scan.points, candidates[chosen], params.distance_m)
     if chosen > 0:
         message = (
-            f"the floor is not the largest plane: a plane with {candidates[0].n_points:,} points has {levels[0]} "
-            f"levels parallel to it, the one taken has {candidates[chosen].n_points:,} points and {levels[chosen]}"
+            f"the floor is not the largest plane: a plane with {candidates[0].n_points:,} points has {support[0][0]} "
+            f"levels parallel to it, the one taken has {candidates[chosen].n_points:,} points and {support[chosen][0]}"
         )
         notes = (Note("floor_not_largest", "orient", message), *notes)
     return Up(own(vector, (3,), "up"), "floor", notes=notes)
@@ -112,17 +120,17 @@ def order_by_height(scan: Scan, normals: Normals, up: Up) -> HeightOrder:
     return HeightOrder(
         point_ids=freeze(order),
         alignment=freeze(np.abs(project(normals.vectors.T, u))[order]),
-        coordinates_m=freeze(coordinates[:, order]),
+        coordinates_m=freeze(coordinates.take(order, axis=1)),
         level_from_scan=own(level_from_scan, (3, 3), "level_from_scan"),
         up=up,
     )
 
 
-def _find_planes(points: Floats, distance_m: float) -> list[PlaneFit]:
+def _find_planes(points: Floats, distance_m: float, wanted: int) -> list[PlaneFit]:
     """Return the largest plane and those after it, each found in what the earlier ones left."""
     planes = [find_plane_ransac(points, distance_m)]
     rest = points
-    while len(planes) < _MAX_FLOOR_CANDIDATES:
+    while len(planes) < wanted:
         rest = rest[np.abs((rest - planes[-1].centroid) @ _normal(planes[-1])) > distance_m]
         if len(rest) < _CANDIDATE_SHARE * planes[0].n_points or len(rest) < _MIN_POINTS or spread_rank(rest) < 2:
             break
@@ -133,34 +141,54 @@ def _find_planes(points: Floats, distance_m: float) -> list[PlaneFit]:
     return planes
 
 
-def _count_levels(points: Floats, normals: Floats, plane: PlaneFit) -> int:
-    """Count the separate levels of surface parallel to a plane."""
+def _count_levels(points: Floats, normals: Floats, plane: PlaneFit) -> tuple[int, int]:
+    """Count the separate levels of surface parallel to a plane, and the points that face its way."""
     normal = _normal(plane)
     is_parallel = np.abs(normals @ normal) >= math.cos(math.radians(_LEVEL_TOLERANCE_DEG))
     heights = np.sort(points[is_parallel] @ normal)
     if heights.size == 0:
-        return 0
-    wanted = max(_MIN_POINTS, int(_LEVEL_SHARE * len(points)))
+        return 0, 0
+    wanted = max(_MIN_POINTS, int(_LEVEL_SHARE * heights.size))
     clusters = cluster_sorted(find_reach(heights, _LEVEL_EPS_M), wanted)
-    return len(clusters.start)
+    return len(clusters.start), heights.size
 
 
-def _turn_upwards(points: Floats, on_plane: Floats, normal: Floats) -> tuple[Floats, tuple[Note, ...]]:
+def _choose_floor(candidates: list[PlaneFit], support: list[tuple[int, int]]) -> int:
+    """Return the index of the floor among planes, given the levels parallel to each and the points that face its way.
+
+    A stair has many levels, a floor many points, a wall only points and a shelf only levels: the product decides, the
+    points by their root, because the wall of a stairwell may have ten times the points of its treads. That settles the
+    direction; of the planes that face that way the largest gives it most exactly.
+    """
+    cosine = math.cos(math.radians(_LEVELLED_DEG))
+    scores = [
+        n_levels * math.sqrt(n_parallel) * (_LEVELLED_BONUS if abs(_normal(plane)[2]) >= cosine else 1.0)
+        for plane, (n_levels, n_parallel) in zip(candidates, support, strict=True)
+    ]
+    best = _normal(candidates[int(np.argmax(scores))])
+    same_way = math.cos(math.radians(_LEVEL_TOLERANCE_DEG))
+    return next(k for k, plane in enumerate(candidates) if abs(float(_normal(plane) @ best)) >= same_way)
+
+
+def _turn_upwards(points: Floats, plane: PlaneFit, distance_m: float) -> tuple[Floats, tuple[Note, ...]]:
     """Choose the side of a plane that is up."""
-    share_above = float(np.mean((points - on_plane) @ normal > 0.0))
+    normal = _normal(plane)
+    offset = (points - plane.centroid) @ normal
+    n_above, n_below = np.count_nonzero(offset > distance_m), np.count_nonzero(offset < -distance_m)
     if abs(normal[2]) < math.cos(math.radians(_LEANING_DEG)):
-        up = normal if share_above >= 0.5 else -normal
+        up = normal if n_above >= n_below else -normal
         message = (
-            f"the floor found is not square to the scan's z axis; up is taken as "
+            "the floor found is not square to the scan's z axis; up is taken as "
             f"({up[0]:.3f}, {up[1]:.3f}, {up[2]:.3f}), the side on which most points lie; give --up if that is wrong"
         )
         return up, (Note("up_not_z", "orient", message),)
-    up = normal if normal[2] > 0.0 else -normal
-    share_above = share_above if up is normal else 1.0 - share_above
-    if share_above < 0.2:
+    up = normal
+    if normal[2] < 0.0:
+        up, n_above, n_below = -normal, n_below, n_above
+    if n_below > _CEILING_SHARE * (n_above + n_below):
         message = (
-            f"{1.0 - share_above:.0%} of the points lie below the plane from which up was taken: it may be a ceiling; "
-            "the direction is the same, but check it, and give --up -z if the scan's z axis points down"
+            f"{n_below:,} points lie below the plane from which up was taken and {n_above:,} above: it is a ceiling or "
+            "a landing, which serves as well; give --up -z if the scan's z axis points down"
         )
         return up, (Note("floor_above_scan", "orient", message),)
     return up, ()

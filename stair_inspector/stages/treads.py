@@ -13,6 +13,8 @@ from stair_inspector.params import AxesRule, DisplayParams, EdgesParams, Method
 
 _ROUND_RATIO = 0.8
 """Ratio of the two variances above which PCA does not know which axis is the wider."""
+_STEEPEST_CLIMB = 0.1
+"""Horizontal over vertical distance of levels that lie as good as straight above each other (84 degrees)."""
 _DISAGREE_DEG = 20.0
 """Half covered treads turn the direction of rise by some degrees; more than this is PCA's mistake."""
 
@@ -159,7 +161,8 @@ def _find_climb(surfaces: Surfaces, level_from_scan: Floats) -> tuple[Floats | N
     shift = centroids - centroids.mean(axis=0)
     climb = shift[:, 2] @ shift[:, :2]
     length = float(np.linalg.norm(climb))
-    if length == 0.0:
+    # The slope of place on height; below it, noise decides which way the levels lean.
+    if length <= _STEEPEST_CLIMB * float(shift[:, 2] @ shift[:, 2]):
         message = "the levels lie straight above each other: which side is the front is not known"
         return None, Note("climb_unknown", "treads", message)
     return climb / length, None

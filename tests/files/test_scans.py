@@ -446,8 +446,8 @@ def test_unknown_unit(tmp_path: Path) -> None:
 )
 def test_auto_guesses_the_unit_and_says_so(tmp_path: Path, size: float, unit: str, words: str) -> None:
     # Half of the points at either end, and one stray point that must not decide.
-    points = np.zeros((101, 3))
-    points[50:, 0] = size
+    points = np.ones((101, 3))
+    points[50:, 0] += size
     points[100] = 1e5
     scan = read(tmp_path, "a.ply", ply_bytes(points), "auto")
     note = next(note for note in scan.notes if note.code == "unit_guessed")
@@ -455,6 +455,15 @@ def test_auto_guesses_the_unit_and_says_so(tmp_path: Path, size: float, unit: st
     assert words in note.message
     assert "--unit" in note.message
     assert note.stage == "read"
+
+
+def test_points_without_a_return_are_dropped_but_a_single_point_at_zero_stays(tmp_path: Path) -> None:
+    points = np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 0.0], [4.0, 5.0, 6.0], [0.0, -0.0, 0.0]])
+    scan = read(tmp_path, "a.ply", ply_bytes(points))
+    assert scan.points.tolist() == [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
+    assert [note.code for note in scan.notes] == ["no_return_dropped"]
+    assert scan.notes[0].message == "2 of 4 points dropped: all at 0, 0, 0: no return"
+    assert len(read(tmp_path, "b.ply", ply_bytes(points[:3])).points) == 3
 
 
 @pytest.mark.parametrize("form", ["ascii", "binary_little_endian"])
@@ -576,8 +585,8 @@ def test_find_scans(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "n_points", "n_used", "noted"),
     [
-        # 109 pixels of the Kinect frame without a return are stored as 0 0 0: one of them is left.
-        ("kinect_v2_five_steps.pcd", 217_088, 216_980, ["unit_guessed", "duplicates_dropped"]),
+        # 109 pixels of the Kinect frame have no return and are stored as 0 0 0.
+        ("kinect_v2_five_steps.pcd", 217_088, 216_979, ["no_return_dropped", "unit_guessed"]),
         ("anymal_entrance_stairs.pcd", 107_772, 18_323, ["unit_guessed", "duplicates_dropped"]),
         ("apartment_no_stairs.xyz", 36_674, 36_674, ["last_line_unfinished", "unit_guessed"]),
         ("tilted_platform_no_stairs.pcd", 181_648, 181_648, ["unit_guessed"]),
@@ -591,6 +600,7 @@ def test_real_captures(name: str, n_points: int, n_used: int, noted: list[str]) 
         cloud = load_open3d().io.read_point_cloud(str(REAL / name), remove_nan_points=False)
         _, first = np.unique(np.asarray(cloud.points), axis=0, return_index=True)
         kept = np.sort(first)
+        kept = kept[np.asarray(cloud.points)[kept].any(axis=1)]
         assert np.array_equal(scan.points, np.asarray(cloud.points)[kept])
         if scan.colors is not None:
             assert np.array_equal(scan.colors, np.rint(np.asarray(cloud.colors)[kept] * 255))

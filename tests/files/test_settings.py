@@ -56,7 +56,7 @@ def test_what_is_not_named_keeps_its_default():
         ({"method": "Paper"}, "mine.toml: method: got 'Paper'; give one of survey, paper"),
         ({"method": {"a": 1}}, "mine.toml: method: got {'a': 1}; give one of survey, paper"),
         ({"axes": {"rule": ["auto"]}}, "mine.toml: axes.rule: got ['auto']; give one of auto, global, per_step"),
-        ({"up": 5}, "mine.toml: up: got 5; give a str"),
+        ({"up": 5}, "mine.toml: up: got 5; give a text"),
     ],
 )
 def test_the_sentence_for_a_wrong_table(values, text):

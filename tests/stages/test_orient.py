@@ -16,10 +16,10 @@ def random_points(n, seed=0):
     return np.random.default_rng(seed).uniform(0.0, 1.0, (n, 3))
 
 
-def up_of(points, normals=None):
+def up_of(points, normals=None, method="survey"):
     scan = make_scan(points, normals)
     found = Normals(scan.normals) if normals is not None else find_normals(scan, ESTIMATED)
-    return find_up(scan, found, "auto", FloorParams())
+    return find_up(scan, found, "auto", FloorParams(), method)
 
 
 def degrees_between(a, b):
@@ -67,7 +67,7 @@ def test_given_normals_that_are_missing_are_a_wrong_setting():
 
 def test_a_given_up_is_scaled_to_unit_length_and_looks_at_nothing():
     scan = make_scan(random_points(60))
-    up = find_up(scan, Normals(scan.points), "0,-3,4", FloorParams())
+    up = find_up(scan, Normals(scan.points), "0,-3,4", FloorParams(), "survey")
     np.testing.assert_array_equal(up.vector, [0.0, -0.6, 0.8])
     assert up.source == "given"
 
@@ -107,6 +107,9 @@ def test_the_floor_is_the_plane_with_the_most_levels_not_the_largest_which_is_a_
     up = up_of(np.concatenate([points, wall]), np.concatenate([normals, wall_normals]))
     assert degrees_between(up.vector, np.array([0.0, 0.0, 1.0])) < 0.5
     assert [note.code for note in up.notes] == ["floor_not_largest"]
+    # The paper's floor is the largest plane and nothing else.
+    by_paper = up_of(np.concatenate([points, wall]), np.concatenate([normals, wall_normals]), "paper")
+    assert degrees_between(np.abs(by_paper.vector), np.array([0.0, 1.0, 0.0])) < 0.5
 
 
 def test_a_ceiling_as_floor_is_noted():
