@@ -118,7 +118,8 @@ def label_scans(scans: Sequence[Path]) -> dict[str, Path]:
     """Return the files by name; where two have the same name, by as much of the path as tells them apart."""
     labels: dict[str, Path] = {}
     for path in scans:
-        twins = [other for other in scans if other.name == path.name]
+        # A set: a file that was named twice has no twin.
+        twins = {other for other in scans if other.name == path.name}
         depth = 1
         while len({other.parts[-depth:] for other in twins}) < len(twins) and depth < len(path.parts):
             depth += 1

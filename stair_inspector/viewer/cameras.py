@@ -23,7 +23,7 @@ _FROM: dict[View, tuple[float, float, float]] = {
     "Side": (1.0, 0.0, 0.0),
     "Top": (0.0, 0.0, 1.0),
 }
-_MARGIN = 1.06
+_MARGIN = 1.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)

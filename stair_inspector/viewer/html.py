@@ -16,7 +16,6 @@ from stair_inspector.model import HeightProfile, Inspection, Level, Step
 
 _DIM = "var(--mantine-color-dimmed)"
 _LINE = "var(--mantine-color-default-border)"
-_HOVER = "var(--mantine-color-default-hover)"
 _CHOSEN = "rgba(0, 214, 230, 0.22)"
 
 _COLUMNS = (
@@ -31,8 +30,8 @@ _COLUMNS = (
 )
 
 _WIDTH = 400
-_HEIGHT = 132
-_BASE = 108
+_HEIGHT = 104
+_BASE = 80
 
 
 def text(value: object) -> str:
@@ -221,7 +220,7 @@ def _used(inspection: Inspection) -> str:
     params = inspection.params
     axes = inspection.axes.rule if inspection.axes is not None else "none"
     up = inspection.up
-    vector = ", ".join(f"{component:.3f}" for component in up.vector)
+    vector = ", ".join(f"{_tidy(component, 3):.3f}" for component in up.vector)
     parts = [
         params.method,
         f"θ_th {params.horizontal.theta_deg:g}°",
@@ -340,5 +339,9 @@ def _ticks(low: float, span: float) -> list[tuple[int, float]]:
     step = float(next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted))
     digits = max(0, int(-np.floor(np.log10(step))))
     first = np.ceil(low / step) * step
-    # Adding zero turns -0.0 into 0.0.
-    return [(digits, round(float(height), 6) + 0.0) for height in np.arange(first, low + span, step)]
+    return [(digits, _tidy(height, digits)) for height in np.arange(first, low + span, step)]
+
+
+def _tidy(value: float, digits: int) -> float:
+    """Return the value rounded, and zero without a sign."""
+    return round(float(value), digits) + 0.0

@@ -84,6 +84,7 @@ class Panel:
         with tabs.add_tab("Export", viser.Icon.DOWNLOAD):
             self._add_exports(gui, actions)
         self.histogram = gui.add_html("")
+        self.table = gui.add_html("")
         self.selected: Any = gui.add_dropdown(
             "Selected step",
             (NO_STEP,),
@@ -91,7 +92,6 @@ class Panel:
             hint="Highlights the step; so does a click on its row or tread.",
         )
         self.selected.on_update(lambda event: self._from_page(event, actions.on_select, self.selected.value))
-        self.table = gui.add_html("")
         self.details = gui.add_html("")
         self.legend = gui.add_html("")
         # Rows of the table write here; see html.pick_script.
@@ -155,8 +155,7 @@ class Panel:
                 label_of(knob), kind(low), kind(high), kind(step), kind(_shown(name, params)), hint=help_of(name)
             )
             self._watch(name, slider, actions.on_settings)
-        for name in ("axes.rule", "method"):
-            self._add_choice(gui, name, params, actions)
+        self._add_choice(gui, "axes.rule", params, actions)
         reset = gui.add_button("Reset to preset", icon=viser.Icon.RESTORE, color="gray")
         reset.on_click(lambda _: actions.on_reset())
 
@@ -166,6 +165,7 @@ class Panel:
         )
         chooser.on_update(lambda event: self._from_page(event, actions.on_scan, chooser.value))
         self._controls["scan"] = chooser
+        self._add_choice(gui, "method", params, actions)
         self._add_choice(gui, "unit", params, actions)
         up = gui.add_dropdown(
             "Up", ("auto", *NAMED_UP, _OWN_UP), initial_value=_up_option(params.up), hint=help_of("up")
@@ -263,11 +263,14 @@ def _shown(name: str, params: Params) -> Any:
 def _stored(name: str, shown: object) -> Any:
     """Return a slider's value in the setting's unit; a page may send anything."""
     knob = knob_of(name)
-    if isinstance(shown, bool) or not isinstance(shown, (int, float)) or not math.isfinite(shown):
+    # Only a float can be infinite; asking it of a whole number of 400 digits would overflow.
+    is_infinite = isinstance(shown, float) and not math.isfinite(shown)
+    if isinstance(shown, bool) or not isinstance(shown, (int, float)) or is_infinite:
         raise ConfigError(f"{label_of(knob)}: got {str(shown)[:40]!r}; give a number")
     if not knob.shown(knob.low) <= shown <= knob.shown(knob.high):
+        got = str(shown)[:40] if isinstance(shown, int) else f"{shown:g}"
         raise ConfigError(
-            f"{label_of(knob)}: got {shown:g}; give a value from {knob.shown(knob.low):g} to {knob.shown(knob.high):g}"
+            f"{label_of(knob)}: got {got}; give a value from {knob.shown(knob.low):g} to {knob.shown(knob.high):g}"
         )
     return shown if _is_whole(name) else knob.stored(float(shown))
 

@@ -26,9 +26,9 @@ _HIGHLIGHT = (0, 214, 230)
 class Drawing:
     """The segmentation as plain data, local coordinates.
 
-    ``colors`` (m, 3) of the displayed points; ``edges`` (e, 2, 3) with ``edge_colors`` (e, 3), lifted off the surface by
-    about a point's size so that its points do not cover them; ``centres`` (c, 3) the
-    points kept around the centroids; ``corners`` one (4, 3) plate for each step; ``labels`` their names.
+    ``colors`` (m, 3) of the displayed points; ``edges`` (e, 2, 3) with ``edge_colors`` (e, 3), lifted off the surface
+    by about a point's size so that its points do not cover them; ``centres`` (c, 3) the points kept around the
+    centroids; ``corners`` one (4, 3) plate for each step; ``labels`` their names.
     """
 
     colors: Colors
@@ -259,7 +259,7 @@ class Stage:
         self._nodes[name] = self.client.scene.add_line_segments(
             name,
             segments.astype(np.float32),
-            np.repeat(colors[:, None, :], 2, axis=1),
+            np.repeat(_linear(colors)[:, None, :], 2, axis=1),
             thickness=pixels,
             thickness_units="screen",
         )
@@ -267,6 +267,13 @@ class Stage:
     def _remove(self, name: str) -> None:
         if name in self._nodes:
             self._nodes.pop(name).remove()
+
+
+def _linear(colors: Colors) -> Colors:
+    """Return the intensities that the browser turns back into these colours: for lines alone it takes them as light."""
+    shares = colors / 255.0
+    light = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+    return np.rint(255.0 * light).astype(np.uint8)
 
 
 def _pick(on_pick: Callable[[int], None], step_id: int, _: Any) -> None:

@@ -17,6 +17,7 @@ from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.exports import csv_bytes, debug_ply_bytes, json_bytes
 from stair_inspector.files.palettes import Palette
 from stair_inspector.files.settings import params_from_dict, params_to_dict
+from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import Params
 from stair_inspector.pipeline import Memo, inspect
@@ -104,6 +105,7 @@ class Session:
         self._is_closed = False
         self._wanted_label = next(iter(scans))
         self._stage_view = Stage(client)
+        self._framed: tuple[View, float, Floats] | None = None
         client.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(24, 110, 160))
         actions = Actions(
             on_settings=self._guard(self._on_settings),
@@ -121,6 +123,7 @@ class Session:
         self._panel.legend.content = html.legend_html(palette)
         self._memo = Memo(heavy=workshop.heavy, on_stage=self._enter_stage)
         self._worker = Newest(self._run, name=f"stair-session-{client.client_id}")
+        client.camera.on_update(lambda _: self._guard(self._on_camera)())
         self._restore()
         self._show_waiting()
         self._submit()
@@ -161,6 +164,19 @@ class Session:
             raise ConfigError(f"camera: got {str(view)[:40]!r}; give one of {', '.join(VIEWS)}")
         with self._lock:
             self._look(known)
+
+    def _on_camera(self) -> None:
+        """Frame the view again when the picture has another shape, unless somebody has turned it since.
+
+        A page tells the shape of its whole window before the panel has taken its place at the side.
+        """
+        with self._lock:
+            camera = self._client.camera
+            if self._is_closed or self._framed is None:
+                return
+            view, aspect, position = self._framed
+            if abs(camera.aspect - aspect) > 0.01 and np.allclose(camera.position, position, atol=1e-3):
+                self._look(view)
 
     def _on_theme(self, is_dark: bool) -> None:
         self._client.gui.configure_theme(
@@ -345,6 +361,7 @@ class Session:
             camera.position = pose.position
             # Setting the position drags the point looked at along.
             camera.look_at = pose.look_at
+        self._framed = (view, camera.aspect, pose.position)
 
     def _screenshot(self) -> bytes:
         """Return the present view as PNG on white, at twice the size of the scene on the page.

@@ -96,6 +96,9 @@ class HeavyProcess:
             The process died, most likely for want of memory. A new one is started.
         """
         with self._lock:
+            if not self._is_closed and not self._process.is_alive():
+                # It died while idle, for whatever reason; nothing is lost.
+                self._start()
             try:
                 self._pipe.send((function, inputs))
                 outcome, value = self._pipe.recv()

@@ -1,6 +1,5 @@
 """Make the README's picture of the page: ``python -m tests.browser.pictures``."""
 
-import shutil
 import sys
 from pathlib import Path
 
@@ -9,18 +8,9 @@ from playwright.sync_api import sync_playwright
 from stair_inspector.files.paths import sample_scans
 from stair_inspector.params import Params
 from stair_inspector.viewer.app import App
+from tests.browser.inspector_page import ARGUMENTS, find_browser
 
 IMAGES = Path(__file__).parents[2] / ".github" / "images"
-_ARGS = [
-    "--no-sandbox",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-]
 
 
 def main() -> None:
@@ -28,7 +18,7 @@ def main() -> None:
     app = App([sample_scans() / "straight.ply"], Params(), port=0)
     try:
         with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=_ARGS)
+            browser = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
             page = browser.new_page(viewport={"width": 1500, "height": 980})
             page.goto(f"http://127.0.0.1:{app.port}/?fixedDpr=1")
             page.wait_for_selector('[data-testid="step-row"]', timeout=90_000)

@@ -1,0 +1,100 @@
+"""How long after a slider has moved does the table change, in a browser, with a million points?
+
+    python -m tests.benchmarks.browser_latency [--points 1000000] [--drawn 20000]
+
+Prints the median and the longest delay of several moves of each slider beside the computing time that the page
+reports. The budget is 500 ms. Without a graphics card the browser draws in software, which takes longer than all the
+rest: the measurement uses every point, but only ``--drawn`` of them are shown.
+"""
+
+import argparse
+import statistics
+import tempfile
+import time
+from pathlib import Path
+
+from stair_inspector.files.simulations import simulate_to_file
+from stair_inspector.params import Params
+from stair_inspector.simulate.specs import Scanner, Stair
+from tests.browser.inspector_page import ARGUMENTS, InspectorPage, find_browser
+
+BUDGET_MS = 500.0
+MOVES = {"α_f [%]": "ArrowLeft", "ε_z [mm]": "ArrowRight", "m": "ArrowRight", "θ_th [°]": "ArrowLeft"}
+_USED_CHANGED = "(before) => document.querySelector('[data-testid=used]')?.innerText !== before"
+_STAMP_CHANGE = """() => {
+    window.stamps = {};
+    addEventListener('keydown', () => { window.stamps.pressed = performance.now(); }, true);
+    new MutationObserver(() => {
+        const now = document.querySelector('[data-testid=used]')?.innerText;
+        if (now !== window.stamps.used) { window.stamps.used = now; window.stamps.changed = performance.now(); }
+    }).observe(document.body, {subtree: true, childList: true, characterData: true});
+}"""
+"""The browser's own clock: from the key to the changed page, without the driver's share."""
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("--points", type=int, default=1_000_000)
+    options.add_argument("--drawn", type=int, default=20_000)
+    options.add_argument("--moves", type=int, default=8)
+    given = options.parse_args()
+    path = find_browser()
+    if path is None:
+        raise SystemExit("no Chromium found; install one, or name it in STAIR_INSPECTOR_BROWSER")
+    from playwright.sync_api import sync_playwright
+
+    from stair_inspector.viewer import session
+    from stair_inspector.viewer.app import App
+    from stair_inspector.viewer.display import choose_display
+
+    session.choose_display = lambda scan: choose_display(scan, given.drawn)
+    with tempfile.TemporaryDirectory() as folder:
+        scan = Path(folder) / "scan.ply"
+        scanner = Scanner(
+            max_points=given.points, azimuth_step_deg=0.03, elevation_step_deg=0.03, spacing_m=0.001, stations=3
+        )
+        simulate_to_file(scan, Stair(), scanner)
+        app = App([scan], Params(), port=0)
+        try:
+            with sync_playwright() as playwright:
+                browser = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+                measure(InspectorPage(browser, app.port), given.moves)
+                browser.close()
+        finally:
+            app.stop()
+
+
+def measure(page, n_moves):
+    began = time.perf_counter()
+    page.by_id("step-row").first.wait_for(timeout=300_000)
+    page.open()
+    print(f"{page.text('scan')}; first table after {time.perf_counter() - began:.1f} s")
+    page.page.evaluate(_STAMP_CHANGE)
+    print(f"{'slider':<10}{'median ms':>10}{'max ms':>8}{'computing: median ms':>22}{'max ms':>8}")
+    worst = 0.0
+    for label, key in MOVES.items():
+        delays, computing = [], []
+        for _ in range(n_moves):
+            before = page.text("used")
+            page.page.evaluate("(used) => { window.stamps.used = used; }", before)
+            page.press(label, key)
+            page.page.wait_for_function(_USED_CHANGED, arg=before)
+            page.await_result()
+            delays.append(page.page.evaluate("() => window.stamps.changed - window.stamps.pressed"))
+            computing.append(computing_ms(page.text("timings")))
+        worst = max(worst, *delays)
+        print(
+            f"{label:<10}{statistics.median(delays):>10.0f}{max(delays):>8.0f}"
+            f"{statistics.median(computing):>22.1f}{max(computing):>8.1f}"
+        )
+    print(f"budget {BUDGET_MS:.0f} ms: {'kept' if worst <= BUDGET_MS else 'exceeded'} (longest {worst:.0f} ms)")
+
+
+def computing_ms(timings):
+    """Sum of the stages in the page's line ``ms: levels 12.3 · surfaces 4.5``."""
+    words = timings.removeprefix("ms: ").split(" · ") if timings.startswith("ms: ") else []
+    return sum(float(word.split()[-1]) for word in words)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,119 @@
+"""One browser, one server and one page for all browser tests; a page of its own for those that need it."""
+
+import os
+import shutil
+
+import pytest
+
+from stair_inspector.files.scans import read_scan
+from stair_inspector.files.simulations import simulate_to_file
+from stair_inspector.params import Params
+from stair_inspector.pipeline import inspect
+from stair_inspector.simulate.specs import Scanner, Stair
+from tests.browser.inspector_page import ARGUMENTS, InspectorPage, find_browser
+
+HOSTILE_NAME = "<img src=x onerror='window.struck=1'>&amp;.ply"
+SCANNER = Scanner(max_points=12_000, azimuth_step_deg=0.2, elevation_step_deg=0.2, spacing_m=0.006, noise_m=0.003)
+
+
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if item.path.is_relative_to(os.path.dirname(__file__)):
+            item.add_marker(pytest.mark.browser)
+
+
+@pytest.fixture(scope="session")
+def browser():
+    path = find_browser()
+    if path is None:
+        reason = "no Chromium found; install one, or name it in STAIR_INSPECTOR_BROWSER"
+        if os.environ.get("CI"):
+            pytest.fail(f"browser tests must run in CI: {reason}")
+        pytest.skip(reason)
+    from playwright import sync_api
+
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def scans(tmp_path_factory):
+    """Two good scans, a broken one, and one whose name is HTML."""
+    folder = tmp_path_factory.mktemp("scans")
+    stair = Stair(n_risers=5, floor_front_m=1.0, floor_width_m=1.4, upper_landing_m=0.6)
+    simulate_to_file(folder / "stair.ply", stair, SCANNER)
+    simulate_to_file(folder / "other.ply", Stair(n_risers=3, floor_front_m=0.8, upper_landing_m=0.6), SCANNER)
+    (folder / "broken.ply").write_bytes((folder / "stair.ply").read_bytes()[:-1000])
+    shutil.copy(folder / "other.ply", folder / HOSTILE_NAME)
+    return [folder / name for name in ("stair.ply", "other.ply", "broken.ply", HOSTILE_NAME)]
+
+
+@pytest.fixture(scope="session")
+def measured(scans):
+    """The inspection of a scan with settings changed by dotted name, made here and not by the page."""
+
+    def measure(changes=None, index=0):
+        params = Params()
+        for name, value in (changes or {}).items():
+            params = params.replaced(name, value)
+        return inspect(read_scan(scans[index], params.unit), params)
+
+    return measure
+
+
+@pytest.fixture(scope="session")
+def app(scans):
+    from stair_inspector.viewer.app import App
+
+    app = App(scans, Params(), port=0)
+    yield app
+    app.stop()
+
+
+@pytest.fixture
+def open_page(browser, app):
+    """Open further pages; each has a profile of its own, and no errors when the test ends."""
+    opened = []
+
+    def open_page(**options):
+        opened.append(InspectorPage(browser, options.pop("port", app.port), **options))
+        return opened[-1].open()
+
+    yield open_page
+    problems = [problem for page in opened for problem in page.problems]
+    for page in opened:
+        page.close()
+    assert problems == []
+
+
+@pytest.fixture(scope="session")
+def _shared(browser, app):
+    """The page that most tests share; replaced after a test that has left it in disorder."""
+    kept = []
+    yield kept
+    for page in kept:
+        page.close()
+
+
+@pytest.fixture
+def page(browser, app, _shared):
+    """A page with the preset's settings, the first scan, nothing selected, the steps coloured, seen from home."""
+    if not _shared:
+        _shared.append(InspectorPage(browser, app.port).open())
+    page = _shared[0]
+    page.problems.clear()
+    _shared.clear()
+    yield page
+    problems = list(page.problems)
+    if problems:
+        page.close()
+    else:
+        try:
+            page.tidy()
+        except Exception:  # noqa: BLE001 - whatever is wrong with it, the next test gets a new one
+            page.close()
+        else:
+            _shared.append(page)
+    assert problems == []

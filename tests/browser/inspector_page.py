@@ -1,0 +1,307 @@
+"""The page as a person uses it: what can be read on it and what can be done to it, by label and not by id."""
+
+import io
+import os
+import shutil
+
+import numpy as np
+from PIL import Image
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+ARGUMENTS = (
+    "--no-sandbox",
+    "--headless=new",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+SETTLE_MS = 20_000
+"""Longest wait for anything that a page should show; software rendering on a busy machine."""
+THROTTLE_MS = 80
+"""viser sends one edit of a panel in 50 ms and forgets the one before: two edits must be farther apart."""
+PRESET = ("survey", "θ_th 15°", "ε_z 20 mm", "m 50 ", "α 95/5 ", "sides 99 ", "k 30 ", "axes auto", ") floor", "unit m")
+"""What the page says of the settings that every page begins with."""
+VIEW_PANEL = (160, 375)
+"""Height and width of the corner that the View panel takes up, pixels."""
+_KNOWN_NOISE = ("THREE.Clock",)
+_READY = """([used, state]) => {
+    const text = (id) => document.querySelector(`[data-testid=${id}]`)?.innerText ?? '';
+    const now = document.querySelector('[data-testid=state]')?.dataset.state;
+    return now === state && used.every((part) => text('used').includes(part));
+}"""
+
+
+def find_browser():
+    """Path of a Chromium, or None."""
+    named = os.environ.get("STAIR_INSPECTOR_BROWSER")
+    found = [named] if named else [shutil.which(name) for name in BROWSERS]
+    return next((path for path in found if path), None)
+
+
+def rows_of(inspection):
+    """What the side table must say of an inspection: the floor's row, then one for each step, as text."""
+
+    def mm(value_m, digits=1):
+        return "–" if value_m is None else f"{1000.0 * value_m:.{digits}f}"
+
+    floor = inspection.floor
+    rows = []
+    if floor is not None:
+        rows = [["floor", mm(inspection.floor_h_m), "", "", "", "", f"{floor.n_points:,}", mm(floor.rms_m, 2)]]
+    for step in inspection.steps:
+        of = step.paper
+        slope = "–" if of.theta_deg is None else f"{of.theta_deg:.2f}"
+        lengths = [mm(length) for length in (of.h_m, of.d_fb_m, of.d_ff_m, of.w_m)]
+        rows.append([str(step.step_id), *lengths, slope, f"{step.plane.n_points:,}", mm(step.plane.rms_m, 2)])
+    return rows if inspection.steps else [*rows, ["No steps."]]
+
+
+def click_at_once(element):
+    """Click without waiting for frames to be drawn, for what is not itself the subject of a test."""
+    element.evaluate("(element) => element.click()")
+
+
+def share_changed(before, after):
+    """Share of the pixels that differ plainly between two pictures."""
+    return float((np.abs(before - after).max(axis=2) > 24).mean())
+
+
+class InspectorPage:
+    """One browser page of the inspector, with a browser profile of its own."""
+
+    def __init__(self, browser, port, width=1280, height=720, context=None):
+        self.context = context or browser.new_context(
+            viewport={"width": width, "height": height}, accept_downloads=True
+        )
+        self.page = self.context.new_page()
+        self.page.set_default_timeout(SETTLE_MS)
+        self.problems = []
+        self.is_scene_touched = False
+        self.page.on("console", self._note_console)
+        self.page.on("pageerror", lambda error: self.problems.append(f"page error: {error}"))
+        self.page.goto(f"http://127.0.0.1:{port}/?fixedDpr=1")
+
+    def _note_console(self, message):
+        if message.type == "error" and not any(known in message.text for known in _KNOWN_NOISE):
+            self.problems.append(f"console: {message.text}")
+
+    def open(self):
+        """Wait for the first result and put viser's remark about software rendering away."""
+        self.await_result()
+        self.close_notifications()
+        self.home = self.still_camera()
+        return self
+
+    def close(self):
+        self.context.close()
+
+    # Reading.
+
+    def by_id(self, name):
+        return self.page.locator(f"[data-testid={name}]")
+
+    def text(self, name):
+        return self.by_id(name).inner_text()
+
+    def table(self):
+        """Text of the cells, row by row, without the head."""
+        return self.page.evaluate(
+            "() => [...document.querySelectorAll('[data-testid=steps-table] tbody tr')]"
+            ".map((row) => [...row.cells].map((cell) => cell.innerText.trim()))"
+        )
+
+    def selected_rows(self):
+        return [
+            int(row.get_attribute("data-step"))
+            for row in self.page.locator("[data-testid=step-row][aria-selected=true]").all()
+        ]
+
+    def scene(self):
+        """Names of the nodes in the scene."""
+        return set(self.page.evaluate("() => Object.keys(window.__viserSceneTree.getState())"))
+
+    def notifications(self):
+        return [item.inner_text() for item in self.page.locator(".mantine-Notification-root").all()]
+
+    def opacity_of_results(self):
+        """Opacity of the table, as the browser draws it."""
+        return float(self.by_id("steps").evaluate("(element) => getComputedStyle(element).opacity"))
+
+    def picture(self):
+        """The scene as it is on the screen, (h, w, 3), black where the View panel with its buttons floats on it."""
+        picture = np.array(Image.open(io.BytesIO(self.canvas.screenshot())).convert("RGB")).astype(int)
+        picture[: VIEW_PANEL[0], : VIEW_PANEL[1]] = 0
+        return picture
+
+    def still_picture(self, unlike=None):
+        """The scene once two pictures in a row are the same, and not like an earlier one."""
+        before = self.picture()
+        for _ in range(60):
+            self.page.wait_for_timeout(50)
+            now = self.picture()
+            if np.array_equal(before, now) and (unlike is None or share_changed(unlike, now) > 0.001):
+                return now
+            before = now
+        raise AssertionError("the scene does not come to rest, or does not change")
+
+    def camera(self):
+        """Where the camera stands, metres."""
+        return self.page.evaluate("() => window.__viserMutable.camera.position.toArray()")
+
+    def still_camera(self):
+        """Where the camera stands once the picture has got its shape."""
+        before = None
+        for _ in range(100):
+            now = self.camera()
+            if now == before:
+                return now
+            before = now
+            self.page.wait_for_timeout(250)
+        raise AssertionError("the camera does not come to rest")
+
+    def await_camera(self, position):
+        self.page.wait_for_function(
+            "(wanted) => window.__viserMutable.camera.position.toArray()"
+            ".every((value, axis) => Math.abs(value - wanted[axis]) < 0.001)",
+            arg=position,
+        )
+
+    @property
+    def canvas(self):
+        return self.page.locator("canvas[data-engine]")
+
+    # Waiting.
+
+    def await_result(self, *used, state="ready"):
+        """Wait until the page is at rest and names these settings as used."""
+        from playwright.sync_api import TimeoutError
+
+        try:
+            self.page.wait_for_function(_READY, arg=[list(used), state])
+        except TimeoutError as error:
+            seen = [self.by_id(name).all_inner_texts() for name in ("status", "used")]
+            raise AssertionError(f"waited for {used} and {state}, the page says {seen}") from error
+
+    def await_error(self):
+        """Wait for the sentence of a failed run and return it."""
+        self.by_id("error").wait_for()
+        return self.text("error")
+
+    def await_selection(self, *steps):
+        """Wait until exactly these rows are emphasised."""
+        self.page.wait_for_function(
+            "(wanted) => JSON.stringify([...document.querySelectorAll('[data-testid=step-row][aria-selected=true]')]"
+            ".map((row) => Number(row.dataset.step))) === JSON.stringify(wanted)",
+            arg=list(steps),
+        )
+
+    def await_node(self, name, there=True):
+        """Wait until the scene has a node of that name, or has it no longer."""
+        self.page.wait_for_function(
+            "([name, there]) => (name in window.__viserSceneTree.getState()) === there", arg=[name, there]
+        )
+
+    def await_notification(self, words):
+        note = self.page.locator(".mantine-Notification-root", has_text=words)
+        note.wait_for()
+        return note.inner_text()
+
+    # Doing.
+
+    def tab(self, name):
+        self.page.get_by_role("tab", name=name, exact=True).click()
+
+    def control(self, label):
+        """The row of the control with a label."""
+        name = self.page.get_by_text(label, exact=True).and_(self.page.locator("label")).first
+        return self.page.locator(f'[id="{name.get_attribute("for")}"]')
+
+    def uuid(self, label):
+        return self.page.get_by_text(label, exact=True).and_(self.page.locator("label")).first.get_attribute("for")
+
+    def press(self, label, key, times=1):
+        slider = self.control(label).get_by_role("slider")
+        slider.focus()
+        for _ in range(times):
+            slider.press(key)
+            self.page.wait_for_timeout(THROTTLE_MS)
+
+    def type_number(self, label, number):
+        """Write into the number box beside a slider, as typing does: without leaving the box."""
+        # The box is the slider's neighbour in the row.
+        box = self.control(label).locator("xpath=ancestor::*[.//input[contains(@class,'NumberInput-input')]][1]")
+        box.locator("input.mantine-NumberInput-input").first.fill(str(number))
+        self.page.wait_for_timeout(THROTTLE_MS)
+
+    def slider_value(self, label):
+        return float(self.control(label).get_by_role("slider").get_attribute("aria-valuenow"))
+
+    def choose(self, label, option):
+        self.page.get_by_label(label, exact=True).first.click()
+        self.page.get_by_role("option", name=option, exact=True).click()
+        self.page.wait_for_timeout(THROTTLE_MS)
+
+    def send(self, uuid, value):
+        """Send a value as no control of the page would."""
+        self.page.evaluate(
+            "([uuid, value]) => window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid, updates: {value}})",
+            [uuid, value],
+        )
+        self.page.wait_for_timeout(THROTTLE_MS)
+
+    def show(self, button):
+        """Press a button of the View panel."""
+        self.is_scene_touched = True
+        self.page.get_by_role("button", name=button, exact=True).click()
+
+    def click_row(self, step):
+        self.page.locator(f"[data-testid=step-row][data-step='{step}']").click()
+
+    def tidy(self):
+        """Undo what tests do: the preset's settings, the first scan, no step chosen, steps coloured, seen from home."""
+        self.page.keyboard.press("Escape")
+        self.close_notifications()
+        self.tab("Tune")
+        # Only if it will show: a reset that is still under way would undo the next test's first edit.
+        if not self.page.evaluate(_READY, [list(PRESET), "ready"]):
+            click_at_once(self.page.get_by_role("button", name="Reset to preset"))
+        if self.page.get_by_label("Dark theme").is_checked():
+            click_at_once(self.page.get_by_label("Dark theme"))
+        if self.is_scene_touched:
+            for name in ("Segmented", "Home"):
+                click_at_once(self.page.get_by_role("button", name=name, exact=True))
+                self.page.wait_for_timeout(THROTTLE_MS)
+            self.await_camera(self.home)
+            self.is_scene_touched = False
+        if not self.text("scan").startswith("stair.ply"):
+            self.tab("Scan")
+            self.choose("Scan", "stair.ply")
+            self.page.locator("[data-testid=scan]", has_text="stair.ply").wait_for()
+            self.tab("Tune")
+        self.await_result(*PRESET)
+        for step in self.selected_rows():
+            click_at_once(self.page.locator(f"[data-testid=step-row][data-step='{step}']"))
+        self.await_selection()
+
+    def download(self, kind):
+        """Name and content of an exported file."""
+        self.tab("Export")
+        with self.page.expect_download() as waiting:
+            self.page.get_by_role("button", name=kind, exact=True).click()
+        with open(waiting.value.path(), "rb") as stream:
+            return waiting.value.suggested_filename, stream.read()
+
+    def close_notifications(self):
+        notes = self.page.locator(".mantine-Notification-root")
+        for _ in range(10):
+            if not notes.count():
+                return
+            before = notes.count()
+            click_at_once(notes.first.get_by_role("button"))
+            self.page.wait_for_function(
+                "(n) => document.querySelectorAll('.mantine-Notification-root').length < n", arg=before
+            )

@@ -1,0 +1,125 @@
+"""What is drawn, as plain data: the colours of the labels, the edges at the corners, the staircase upright."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from stair_inspector.files.palettes import read_palette
+from stair_inspector.pipeline import inspect
+from stair_inspector.viewer.display import choose_display
+from stair_inspector.viewer.scene import _linear, draw, extent_of, quaternion, view_from_local
+from tests.synthetic import Stair, exact_params, motion, rotation
+
+PALETTE = read_palette("page")
+
+
+@pytest.fixture(scope="module")
+def scan():
+    return Stair(noise=0.001, risers=True).scan()
+
+
+@pytest.fixture(scope="module")
+def inspection(scan):
+    return inspect(scan, exact_params())
+
+
+@pytest.mark.parametrize("most", [10**6, 700])
+def test_every_displayed_point_has_the_colour_of_its_own_label(scan, inspection, most):
+    display = choose_display(scan, most)
+    drawing = draw(inspection, display, scan.points, PALETTE)
+    table = {-1: PALETTE.non_stair, 0: PALETTE.floor} | {k: PALETTE.of_step(k) for k in range(1, 6)}
+    expected = np.array([table[int(label)] for label in inspection.labels[display.point_ids]], dtype=np.uint8)
+    np.testing.assert_array_equal(drawing.colors, expected)
+    assert {tuple(color) for color in drawing.colors} == set(table.values())
+
+
+def test_a_level_that_is_no_step_is_drawn_as_left_over(scan, inspection):
+    fewer = dataclasses.replace(inspection, steps=inspection.steps[:2])
+    drawing = draw(fewer, choose_display(scan), scan.points, PALETTE)
+    assert (drawing.colors[inspection.labels > 2] == np.array(PALETTE.non_stair)).all()
+    assert (drawing.colors[inspection.labels == 2] == np.array(PALETTE.of_step(2))).all()
+    assert drawing.labels == ("1", "2")
+    assert len(drawing.corners) == 2
+
+
+def test_edges_join_the_corners_in_their_colours_just_above_the_surface(scan, inspection):
+    display = choose_display(scan)
+    drawing = draw(inspection, display, scan.points, PALETTE)
+    assert drawing.edges.shape == (20, 2, 3)
+    assert drawing.edge_colors.shape == (20, 3)
+    up = inspection.up.vector
+    for step, edges, colors in zip(
+        inspection.steps, drawing.edges.reshape(5, 4, 2, 3), drawing.edge_colors.reshape(5, 4, 3), strict=True
+    ):
+        front_left, front_right, back_right, back_left = step.corners
+        flat = edges - (edges - step.corners[0]) @ up[:, None] * up
+        wanted = {
+            PALETTE.side_edge: [(front_left, back_left), (front_right, back_right)],
+            PALETTE.back_edge: [(back_left, back_right)],
+            PALETTE.front_edge: [(front_left, front_right)],
+        }
+        for color, segments in wanted.items():
+            segments = [ends - (np.array(ends) - step.corners[0]) @ up[:, None] * up for ends in segments]
+            found = flat[(colors == np.array(color)).all(axis=1)]
+            np.testing.assert_allclose(found, segments, atol=1e-9)
+        lift = (edges[3, 0] - front_left) @ up
+        assert 0.0 < lift <= display.spacing_m + 2.0 * step.plane.rms_m + 1e-12
+
+
+def test_the_centres_are_the_nearest_points(scan, inspection):
+    drawing = draw(inspection, choose_display(scan), scan.points, PALETTE)
+    wanted = np.concatenate([scan.points[step.nearest_ids] for step in inspection.steps])
+    np.testing.assert_array_equal(drawing.centres, wanted)
+
+
+def test_without_steps_there_is_nothing_but_the_cloud(scan, inspection):
+    drawing = draw(dataclasses.replace(inspection, steps=()), choose_display(scan), scan.points, PALETTE)
+    assert drawing.edges.shape == (0, 2, 3)
+    assert drawing.centres.shape == (0, 3)
+    assert (drawing.corners, drawing.labels) == ((), ())
+
+
+@pytest.mark.parametrize("turn", [np.eye(3), rotation("z", 130.0), rotation("x", 75.0) @ rotation("y", -40.0)])
+def test_the_view_has_up_along_z_and_the_climb_along_y(turn):
+    stair = Stair(noise=0.0005, risers=True, motion=motion(turn))
+    inspection = inspect(stair.scan(), exact_params(up=stair.up))
+    view = view_from_local(inspection)
+    np.testing.assert_allclose(view @ view.T, np.eye(3), atol=1e-9)
+    assert np.linalg.det(view) == pytest.approx(1.0)
+    np.testing.assert_allclose(view @ turn[:, 2], [0.0, 0.0, 1.0], atol=1e-6)
+    # The axes are measured: a degree is far more than their error here.
+    assert (view @ turn[:, 0])[1] > np.cos(np.radians(1.0))
+
+
+@pytest.mark.parametrize("up", ["z", "x", "-y"])
+def test_without_axes_the_view_is_upright_all_the_same(inspection, up):
+    vector = {"z": [0, 0, 1], "x": [1, 0, 0], "-y": [0, -1, 0]}[up]
+    bare = dataclasses.replace(
+        inspection, axes=None, up=dataclasses.replace(inspection.up, vector=np.array(vector, dtype=float))
+    )
+    view = view_from_local(bare)
+    assert np.linalg.det(view) == pytest.approx(1.0)
+    np.testing.assert_allclose(view @ np.array(vector), [0.0, 0.0, 1.0], atol=1e-12)
+
+
+def test_the_quaternion_is_that_of_the_rotation():
+    turn = rotation("x", 20.0) @ rotation("z", 50.0)
+    w, x, y, z = quaternion(turn)
+    point = np.array([1.0, 2.0, 3.0])
+    axis = np.array([x, y, z])
+    spun = point + 2.0 * np.cross(axis, np.cross(axis, point) + w * point)
+    np.testing.assert_allclose(spun, turn @ point, atol=1e-12)
+
+
+def test_a_few_far_points_do_not_make_the_extent(scan):
+    stray = np.vstack([scan.points, [[500.0, 0.0, 0.0]]])
+    assert np.ptp(extent_of(stray), axis=0).max() < 3.0
+
+
+def test_the_browser_turns_the_light_of_a_line_back_into_its_colour():
+    colors = np.array([PALETTE.front_edge, PALETTE.side_edge, (0, 128, 255)], dtype=np.uint8)
+    light = _linear(colors) / 255.0
+    shown = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    # Half a step of the light is up to three of the colour in this range.
+    np.testing.assert_allclose(255.0 * shown, colors, atol=3.0)
