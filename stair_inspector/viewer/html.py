@@ -132,7 +132,7 @@ def legend_html(palette: Palette) -> str:
     items = "".join(f'<span style="white-space:nowrap">{entry}</span>' for entry in entries)
     return (
         f'<div data-testid="legend" style="display:flex;flex-wrap:wrap;gap:3px 12px;font-size:11px;color:{_DIM};'
-        f'padding:4px 2px">{items}</div>'
+        f'padding:4px 9px 10px">{items}</div>'
     )
 
 
@@ -165,7 +165,7 @@ def state_html(inspection: Inspection | None, *, busy: str | None, error: str | 
         )
         # Not part of any element's style: the table itself need not be sent again to be dimmed.
         lines.append("<style>.si-results{opacity:.45}</style>")
-    return f'<div data-testid="status" style="font-size:12px;line-height:1.4;padding:2px">{"".join(lines)}</div>'
+    return f'<div data-testid="status" style="font-size:12px;line-height:1.4;padding:2px 9px 7px">{"".join(lines)}</div>'
 
 
 def details_html(inspection: Inspection | None) -> str:
@@ -181,7 +181,7 @@ def details_html(inspection: Inspection | None) -> str:
     lines.append(f'<div data-testid="used" style="color:{_DIM}">{_used(inspection)}</div>')
     lines.append(f'<div data-testid="timings" style="color:{_DIM}">{_timings(inspection.timings_s)}</div>')
     return (
-        '<div data-testid="details" class="si-results" style="font-size:11.5px;line-height:1.4;padding:2px">'
+        '<div data-testid="details" class="si-results" style="font-size:11.5px;line-height:1.4;padding:2px 9px">'
         f"{''.join(lines)}</div>"
     )
 
@@ -192,7 +192,7 @@ def header_html(name: str, n_used: int | None, n_shown: int | None) -> str:
     if n_used is not None and n_shown is not None:
         size = f"{n_used:,} points" + (f", {n_shown:,} drawn" if n_shown < n_used else "")
     return (
-        f'<div data-testid="scan" style="padding:2px;overflow-wrap:anywhere"><b style="font-size:14px">{text(name)}</b>'
+        f'<div data-testid="scan" style="padding:2px 9px;overflow-wrap:anywhere"><b style="font-size:14px">{text(name)}</b>'
         f'<span style="font-size:12px;color:{_DIM}">{" · " if size else ""}{size}</span></div>'
     )
 
