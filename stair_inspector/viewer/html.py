@@ -165,7 +165,8 @@ def state_html(inspection: Inspection | None, *, busy: str | None, error: str | 
         )
         # Not part of any element's style: the table itself need not be sent again to be dimmed.
         lines.append("<style>.si-results{opacity:.45}</style>")
-    return f'<div data-testid="status" style="font-size:12px;line-height:1.4;padding:2px 9px 7px">{"".join(lines)}</div>'
+    style = "font-size:12px;line-height:1.4;padding:2px 9px 7px"
+    return f'<div data-testid="status" style="{style}">{"".join(lines)}</div>'
 
 
 def details_html(inspection: Inspection | None) -> str:
@@ -192,7 +193,8 @@ def header_html(name: str, n_used: int | None, n_shown: int | None) -> str:
     if n_used is not None and n_shown is not None:
         size = f"{n_used:,} points" + (f", {n_shown:,} drawn" if n_shown < n_used else "")
     return (
-        f'<div data-testid="scan" style="padding:2px 9px;overflow-wrap:anywhere"><b style="font-size:14px">{text(name)}</b>'
+        '<div data-testid="scan" style="padding:2px 9px;overflow-wrap:anywhere">'
+        f'<b style="font-size:14px">{text(name)}</b>'
         f'<span style="font-size:12px;color:{_DIM}">{" · " if size else ""}{size}</span></div>'
     )
 
