@@ -15,7 +15,7 @@ from stair_inspector.files.palettes import Palette, read_palette
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.settings import params_to_dict
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Inspection, Measured, Scan, Step
+from stair_inspector.model import Inspection, Measured, PaperValues, Scan, Step
 
 SCHEMA = "stair-inspector/inspection-1"
 _EDGE_SPACING_M = 0.002
@@ -188,29 +188,22 @@ def _measured_to_dict(measured: Measured | None) -> dict[str, float] | None:
 
 
 def _step_to_row(step: Step) -> dict[str, Any]:
-    row: dict[str, Any] = {
-        "step": step.step_id,
-        "flight": step.flight,
-        "kind": step.kind,
-        "n_points": step.plane.n_points,
-        "rms_mm": _millimetres(step.plane.rms_m),
-    }
-    for name, value in dataclasses.asdict(step.paper).items():
-        row |= _in_table_unit(f"paper_{name}", value)
+    """Return a step's cells by column, lengths turned from metres to millimetres."""
+    values: list[Any] = [step.step_id, step.flight, step.kind, step.plane.n_points, step.plane.rms_m]
+    values += dataclasses.astuple(step.paper)
     for name in _SURVEY_FIELDS:
-        measured = getattr(step, name)
-        row |= _in_table_unit(name, None if measured is None else measured.value)
-        stem, unit = name.rsplit("_", 1)
-        row |= _in_table_unit(f"{stem}_u_{unit}", None if measured is None else measured.u)
-    row["coverage"] = step.coverage
-    return row
+        measured: Measured | None = getattr(step, name)
+        values += [None, None] if measured is None else [measured.value, measured.u]
+    values.append(step.coverage)
+    return {
+        _column(name): _millimetres(value) if name.endswith("_m") else value
+        for name, value in zip(_QUANTITIES, values, strict=True)
+    }
 
 
-def _in_table_unit(name: str, value: float | None) -> dict[str, float | None]:
-    """Return the value under its name, lengths turned from metres to millimetres."""
-    if name.endswith("_m"):
-        return {name.removesuffix("_m") + "_mm": _millimetres(value)}
-    return {name: value}
+def _column(name: str) -> str:
+    """Return a quantity's name in the table's unit: millimetres for metres."""
+    return name.removesuffix("_m") + "_mm" if name.endswith("_m") else name
 
 
 def _millimetres(value_m: float | None) -> float | None:
@@ -218,24 +211,17 @@ def _millimetres(value_m: float | None) -> float | None:
     return None if value_m is None else round(value_m * 1000.0, 6)
 
 
-def _columns() -> list[str]:
-    """Return the CSV's columns in order, also for an inspection without steps."""
-    names = ["step", "flight", "kind", "n_points", "rms_mm"]
-    names += [
-        "paper_h_mm",
-        "paper_d_fb_mm",
-        "paper_d_ff_mm",
-        "paper_w_mm",
-        "paper_theta_deg",
-        "paper_f_mm",
-        "paper_b_mm",
-    ]
-    for name in _SURVEY_FIELDS:
-        stem, unit = name.rsplit("_", 1)
-        unit = "mm" if unit == "m" else unit
-        names += [f"{stem}_{unit}", f"{stem}_u_{unit}"]
-    return [*names, "coverage"]
+def _with_uncertainty(name: str) -> tuple[str, str]:
+    stem, unit = name.rsplit("_", 1)
+    return name, f"{stem}_u_{unit}"
 
 
-CSV_COLUMNS = _columns()
+_QUANTITIES = (
+    *("step", "flight", "kind", "n_points", "rms_m"),
+    *(f"paper_{item.name}" for item in dataclasses.fields(PaperValues)),
+    *(column for name in _SURVEY_FIELDS for column in _with_uncertainty(name)),
+    "coverage",
+)
+
+CSV_COLUMNS = [_column(name) for name in _QUANTITIES]
 """Names of the CSV's columns, in order."""
