@@ -5,6 +5,7 @@ import dataclasses
 import io
 import os
 import re
+import signal
 import sys
 import traceback
 from collections.abc import Callable, Sequence
@@ -164,27 +165,33 @@ def _view(args: list[str]) -> int:
         paths.sort(key=lambda path: path.stem != DEFAULT_SAMPLE)
     from stair_inspector.viewer.app import App, is_loopback
 
-    app = App(paths, view.settings, view.host, view.port)
-    shown_host = f"[{view.host}]" if ":" in view.host else view.host
-    address = f"http://{shown_host}:{app.port}"
-    print(f"stair-inspector is at {address} (Ctrl+C ends it)", flush=True)
-    if not is_loopback(view.host):
-        print(
-            f"stair-inspector: warning: everyone who can reach {view.host} sees these scans and can move the sliders "
-            "of a page of their own; there is no password. Use --host 127.0.0.1 to keep it to this machine",
-            file=sys.stderr,
-            flush=True,
-        )
-    if view.browser:
-        import webbrowser
-
-        webbrowser.open(address)
+    # A service manager ends a program so; the heavy process must not be left behind.
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    app = None
     try:
+        app = App(paths, view.settings, view.host, view.port)
+        # A wildcard is no address that a browser could open.
+        host = "127.0.0.1" if view.host in ("0.0.0.0", "::") else view.host
+        address = f"http://[{host}]:{app.port}" if ":" in host else f"http://{host}:{app.port}"
+        print(f"stair-inspector is at {address} (Ctrl+C ends it)", flush=True)
+        if not is_loopback(view.host):
+            print(
+                f"stair-inspector: warning: everyone who can reach {view.host} sees these scans and can move the "
+                "sliders of a page of their own; there is no password. Use --host 127.0.0.1 to keep it to this machine",
+                file=sys.stderr,
+                flush=True,
+            )
+        if view.browser:
+            import webbrowser
+
+            webbrowser.open(address)
         app.wait()
     except KeyboardInterrupt:
         print()
     finally:
-        app.stop()
+        signal.signal(signal.SIGTERM, before)
+        if app is not None:
+            app.stop()
     return 0
 
 

@@ -13,7 +13,7 @@ _LINE_RATIO = 1e-6
 """Second singular value over first below which points count as lying on one line."""
 _RANSAC_SEED = 0
 _RANSAC_ITERATIONS = 1000
-_RANSAC_POINTS = 30_000
+_RANSAC_POINTS = 15_000
 """RANSAC draws from at most this many points; the least-squares refit then uses all."""
 
 

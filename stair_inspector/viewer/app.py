@@ -6,7 +6,6 @@ import ipaddress
 import os
 import socket
 import threading
-import uuid
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.params import Params
 from stair_inspector.viewer.cameras import FOV_RAD
-from stair_inspector.viewer.session import Session
+from stair_inspector.viewer.session import KeptRequests, Session
 from stair_inspector.viewer.worker import Workshop
 
 
@@ -43,8 +42,8 @@ class App:
         self._port = _check_address(host, port)
         self._scans = label_scans(scans)
         self._params = params
-        self._palette = read_palette("page")
-        self._run_id = uuid.uuid4().hex
+        self._palettes = (read_palette("page"), read_palette("page_dark"))
+        self._kept = KeptRequests()
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -91,7 +90,7 @@ class App:
         self._ended.set()
 
     def _connect(self, client: viser.ClientHandle) -> None:
-        session = Session(client, self._workshop, self._scans, self._params, self._palette, self._run_id)
+        session = Session(client, self._workshop, self._scans, self._params, self._palettes, self._kept)
         with self._lock:
             self._sessions[client.client_id] = session
         # The page may have gone while its session was being made.
@@ -129,6 +128,8 @@ def label_scans(scans: Sequence[Path]) -> dict[str, Path]:
 
 def _check_address(host: str, port: int) -> int:
     """Try to bind before viser does, which hangs on a bad host and moves on from a busy port; return the port."""
+    if not host:
+        raise ConfigError("--host: is empty; give an address of this machine such as 127.0.0.1")
     if not 0 <= port <= 65535:
         raise ConfigError(f"--port: got {port}; give 0 to 65535")
     try:

@@ -10,6 +10,7 @@ from stair_inspector.model import Scan
 MAX_POINTS = 600_000
 """Points sent to a page; 15 bytes each. The measurement always uses all of them."""
 _CELL_M = 0.02
+_CELLS_ACROSS = 100
 _PLAIN_COLOR = (172, 176, 182)
 
 
@@ -40,11 +41,14 @@ def choose_display(scan: Scan, most: int = MAX_POINTS) -> Display:
 
 def estimate_spacing(points: Floats) -> float:
     """Estimate the distance of neighbouring points on a surface, metres, from the number of occupied 2 cm cells."""
-    cells = np.floor((points - points.min(axis=0)) / _CELL_M).astype(np.int64)
+    low = points.min(axis=0)
+    # Smaller for a scan that is: the wrong unit can make a staircase of five millimetres.
+    cell = min(_CELL_M, max(float(np.linalg.norm(points.max(axis=0) - low)) / _CELLS_ACROSS, 1e-9))
+    cells = np.floor((points - low) / cell).astype(np.int64)
     size = cells.max(axis=0) + 1
     n_occupied = len(np.unique((cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]))
     # An occupied cell holds about one cell face of surface.
-    return float(_CELL_M * np.sqrt(n_occupied / len(points)))
+    return float(cell * np.sqrt(n_occupied / len(points)))
 
 
 def _colors(scan: Scan, ids: Ints) -> Colors:

@@ -105,11 +105,11 @@ def histogram_html(inspection: Inspection | None, palette: Palette) -> str:
     )
     reach = max(1.0, at(low + eps_m) - at(low))
     return (
-        '<div data-testid="histogram" class="si-results" style="padding:2px 0">'
+        '<div data-testid="histogram" class="si-results" style="padding:2px 8px 2px 0">'
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" role="img" '
-        f'aria-label="Heights of upright points; {len(inspection.levels)} clusters">'
-        f'<text x="8" y="9" font-size="10" fill="currentColor" opacity="0.75">upright points by height [m], '
-        "√ scale</text>"
+        f'aria-label="Heights of points on horizontal surfaces; {len(inspection.levels)} clusters">'
+        '<text x="8" y="9" font-size="10" fill="currentColor" opacity="0.75">'
+        "points on horizontal surfaces by height [m], √ scale</text>"
         f'<line x1="{_WIDTH - 8 - reach:.1f}" x2="{_WIDTH - 8}" y1="6" y2="6" stroke="currentColor" stroke-width="3"/>'
         f'<text x="{_WIDTH - 12 - reach:.1f}" y="9" text-anchor="end" font-size="10" fill="currentColor" opacity="0.9">'
         f"ε_z {eps_m * 1000.0:g} mm</text>"
@@ -123,7 +123,7 @@ def legend_html(palette: Palette) -> str:
     entries = [
         f"{_chip(palette.floor)} floor",
         f"{steps} steps, in turn",
-        f"{_chip(palette.non_stair)} no level",
+        f"{_chip(palette.non_stair)} other, such as risers",
         f"{_chip(palette.front_edge, 16, 4)} front edge",
         f"{_chip(palette.back_edge, 16, 4)} back edge",
         f"{_chip(palette.side_edge, 16, 4)} side edges",
@@ -268,7 +268,11 @@ def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str | 
     body = "".join(f'<td style="text-align:right;padding:2px 6px">{cell}</td>' for cell in cells)
     style = f"border-bottom:1px solid {_LINE};cursor:pointer;"
     style += f"background:{_CHOSEN};font-weight:600" if is_selected else ""
-    click = "" if pick_uuid is None else f' onclick="{text(pick_script(pick_uuid, step.step_id))}"'
+    click = ""
+    if pick_uuid is not None:
+        script = pick_script(pick_uuid, step.step_id)
+        on_key = f"if(event.key==='Enter'){{{script}}}"
+        click = f' tabindex="0" onclick="{text(script)}" onkeydown="{text(on_key)}"'
     return (
         f'<tr data-testid="step-row" data-step="{step.step_id}" aria-selected="{"true" if is_selected else "false"}" '
         f'style="{style}"{click}><td style="padding:2px 6px;white-space:nowrap">'

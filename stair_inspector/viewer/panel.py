@@ -230,7 +230,10 @@ class Panel:
     def _read_up(self, option: object) -> object:
         if option != _OWN_UP:
             return option
-        return ",".join(repr(float(component)) for component in self._up_vector.value)
+        try:
+            return ",".join(repr(float(component)) for component in self._up_vector.value)
+        except (TypeError, ValueError) as error:
+            raise ConfigError("Up vector: give three numbers") from error
 
 
 def _download(actions: Actions, kind: str, _: Any) -> None:

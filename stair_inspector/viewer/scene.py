@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import viser
 
-from stair_inspector.files.palettes import Palette
+from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.geometry.arrays import Colors, Floats
 from stair_inspector.model import Inspection, Step
 from stair_inspector.viewer.display import Display
@@ -136,7 +136,7 @@ class Stage:
             )
         self.set_mode(self.mode)
 
-    def show_drawing(self, drawing: Drawing, on_pick: Callable[[int], None]) -> None:
+    def show_drawing(self, drawing: Drawing, centre: Rgb, on_pick: Callable[[int], None]) -> None:
         """Replace the segmentation; ``on_pick(step_id)`` is called when a step's plate is clicked."""
         scene = self.client.scene
         self._nodes["/stair/segments/cloud"].colors = drawing.colors
@@ -148,7 +148,7 @@ class Stage:
             self._nodes["/stair/segments/centres"] = scene.add_point_cloud(
                 "/stair/segments/centres",
                 drawing.centres.astype(np.float32),
-                (16, 16, 18),
+                centre,
                 point_size=1.6 * self._nodes["/stair/raw"].point_size,
                 point_shape="circle",
                 point_shading="flat",

@@ -1,9 +1,10 @@
 """One inspector: a page, its settings, its last good result, and the thread that computes for it."""
 
 import io
-import json
 import logging
 import threading
+import uuid
+from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,6 @@ from PIL import Image
 from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.exports import csv_bytes, debug_ply_bytes, json_bytes
 from stair_inspector.files.palettes import Palette
-from stair_inspector.files.settings import params_from_dict, params_to_dict
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import Params
@@ -32,7 +32,11 @@ logger = logging.getLogger(__name__)
 
 _PATIENCE_S = 0.2
 """A run that takes no longer changes the page at once; a longer one is announced."""
-_STORAGE_KEY = "stair_inspector.session"
+_STORAGE_KEY = "stair_inspector.browser"
+_KEPT_PER_BROWSER = 10
+_KEPT_BROWSERS = 100
+_LARGEST_DISC = 1.0 / 150.0
+"""Largest diameter of a drawn point, as a share of the scan's diagonal: a wrong unit must not fill the screen."""
 _RENDER_TIMEOUT_S = 60.0
 _STAGE_WORDS = {
     "read": "reading the file",
@@ -40,23 +44,51 @@ _STAGE_WORDS = {
     "up": "looking for the floor",
     "heights": "sorting by height",
 }
-_STAGE_PERCENT = {"read": 5.0, "normals": 25.0, "up": 80.0, "heights": 90.0}
-"""Where the bar stands when a stage begins; the normals take most of the time."""
+_STAGE_PERCENT = {"read": 5.0, "normals": 20.0, "up": 60.0, "heights": 92.0}
+"""Where the bar stands when a stage begins."""
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What a run is asked for."""
+    """What a run is asked for: a scan by its name in the menu, and settings."""
 
-    path: Path
+    label: str
     params: Params
+
+
+class KeptRequests:
+    """What closed pages last asked for, by browser: a reload or a dropped connection makes a browser a new client.
+
+    Kept by the server and not by the browser, whose storage all its tabs share: each page that comes back takes up the
+    wishes of one page that has gone, and never those of one that is still open.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._by_browser: OrderedDict[str, list[Request]] = OrderedDict()
+
+    def leave(self, browser_id: str, request: Request) -> None:
+        """Keep a closed page's request."""
+        with self._lock:
+            kept = self._by_browser.setdefault(browser_id, [])
+            self._by_browser.move_to_end(browser_id)
+            kept.append(request)
+            del kept[:-_KEPT_PER_BROWSER]
+            while len(self._by_browser) > _KEPT_BROWSERS:
+                self._by_browser.popitem(last=False)
+
+    def take_up(self, browser_id: str) -> Request | None:
+        """Return the newest request kept for a browser, and forget it."""
+        with self._lock:
+            kept = self._by_browser.get(browser_id)
+            return kept.pop() if kept else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shown:
     """The last good result, with the scan it belongs to and what of it is drawn."""
 
-    path: Path
+    label: str
     scan: Scan
     display: Display
     inspection: Inspection
@@ -75,10 +107,10 @@ class Session:
         Files by their name in the scan menu.
     params : Params
         Settings to begin with and to reset to.
-    palette : Palette
-        Colours of the page.
-    run_id : str
-        Identity of this server's run: settings kept by the browser are taken up again only within it.
+    palettes : tuple of Palette
+        Colours of the page in its light and in its dark theme.
+    kept : KeptRequests
+        What pages that have gone last asked for.
     """
 
     def __init__(
@@ -87,21 +119,29 @@ class Session:
         workshop: Workshop,
         scans: dict[str, Path],
         params: Params,
-        palette: Palette,
-        run_id: str,
+        palettes: tuple[Palette, Palette],
+        kept: KeptRequests,
     ) -> None:
         self._client = client
         self._workshop = workshop
         self._scans = scans
         self._preset = params
-        self._palette = palette
-        self._run_id = run_id
+        self._palettes = palettes
+        self._palette = palettes[False]
+        self._kept = kept
+        self._browser_id: str | None = None
         self._lock = threading.RLock()
+        # Held from reading the controls to handing the request over: viser runs callbacks on many threads, and one that
+        # has read older values must not come last. Apart from the other lock, which is held while a page is redrawn.
+        self._ask_lock = threading.Lock()
+        self._asked: Request | None = None
+        self._running: Scan | None = None
         self._shown: Shown | None = None
         self._selected: int | None = None
         self._error: str | None = None
+        # Why the controls, as they stand now, can not even be asked for.
+        self._refusal: str | None = None
         self._stage: str | None = None
-        self._began = 0.0
         self._is_closed = False
         self._wanted_label = next(iter(scans))
         self._stage_view = Stage(client)
@@ -120,17 +160,23 @@ class Session:
             on_download=self._guard(self._on_download),
         )
         self._panel = Panel(client, tuple(scans), params, actions)
-        self._panel.legend.content = html.legend_html(palette)
+        self._panel.legend.content = html.legend_html(self._palette)
         self._memo = Memo(heavy=workshop.heavy, on_stage=self._enter_stage)
         self._worker = Newest(self._run, name=f"stair-session-{client.client_id}")
         client.camera.on_update(lambda _: self._guard(self._on_camera)())
-        self._restore()
-        self._show_waiting()
-        self._submit()
+        try:
+            self._restore()
+            self._show_waiting()
+            self._submit()
+        except BaseException:
+            self._worker.close()
+            raise
 
     def close(self) -> None:
         """Let go of everything; called when the page is gone."""
         self._is_closed = True
+        if self._browser_id is not None and self._asked is not None:
+            self._kept.leave(self._browser_id, self._asked)
         self._worker.close()
 
     # What the page asks for. Each runs on one of viser's threads, guarded.
@@ -147,8 +193,7 @@ class Session:
             raise ConfigError(
                 f"scan: {str(label)[:60]!r} is none of the files that were opened; choose one of the menu"
             )
-        self._wanted_label = label
-        self._submit()
+        self._submit(label)
 
     def _on_mode(self, mode: str) -> None:
         known = next((known for known in MODES if known == mode), None)
@@ -179,9 +224,19 @@ class Session:
                 self._look(view)
 
     def _on_theme(self, is_dark: bool) -> None:
-        self._client.gui.configure_theme(
-            dark_mode=bool(is_dark), show_logo=False, show_share_button=False, brand_color=(24, 110, 160)
-        )
+        with self._lock, self._client.atomic():
+            self._palette = self._palettes[bool(is_dark)]
+            self._client.gui.configure_theme(
+                dark_mode=bool(is_dark), show_logo=False, show_share_button=False, brand_color=(24, 110, 160)
+            )
+            self._panel.legend.content = html.legend_html(self._palette)
+            shown = self._shown
+            if shown is None:
+                return
+            drawing = draw(shown.inspection, shown.display, shown.scan.points, self._palette)
+            self._stage_view.show_drawing(drawing, self._palette.centre, self._guard(self._select))
+            self._panel.histogram.content = html.histogram_html(shown.inspection, self._palette)
+            self._show_selection()
 
     def _on_point_size(self, size_mm: float) -> None:
         if not 0.1 <= float(size_mm) <= 100.0:
@@ -202,7 +257,8 @@ class Session:
             shown = self._shown
         if shown is None:
             raise ConfigError("export: there is no result yet; wait for the first one")
-        stem = shown.path.stem
+        # Two scans of the same name have the folder in their label.
+        stem = Path(shown.label).with_suffix("").as_posix().replace("/", "_")
         make: dict[str, tuple[str, Callable[[], bytes]]] = {
             "CSV": (f"{stem}.csv", lambda: csv_bytes(shown.inspection)),
             "JSON": (f"{stem}.json", lambda: json_bytes(shown.inspection)),
@@ -214,24 +270,30 @@ class Session:
 
     # Runs.
 
-    def _submit(self) -> None:
-        """Ask for a run with what the controls show now."""
-        try:
-            params = self._panel.read()
-        except ConfigError as error:
-            self._fail(str(error))
-            return
-        self._remember(params)
-        self._worker.submit(Request(self._scans[self._wanted_label], params))
+    def _submit(self, label: str | None = None) -> None:
+        """Ask for a run with what the controls show now, of another scan if one is named."""
+        with self._ask_lock:
+            self._wanted_label = label or self._wanted_label
+            try:
+                request = Request(self._wanted_label, self._panel.read())
+            except ConfigError as error:
+                self._refusal = str(error)
+            else:
+                self._refusal = None
+                self._asked = request
+                self._worker.submit(request)
+        if self._refusal is not None:
+            self._fail(self._refusal)
 
     def _run(self, request: Request) -> None:
         """Compute and publish; the body of the session's thread. Never raises."""
         announce = threading.Timer(_PATIENCE_S, self._announce)
         announce.daemon = True
-        self._stage = "read"
+        self._stage, self._running = "read", None
         announce.start()
         try:
-            scan = self._workshop.read(request.path, request.params.unit)
+            scan = self._workshop.read(self._scans[request.label], request.params.unit)
+            self._running = scan
             inspection = inspect(scan, request.params, self._memo)
             self._stage = None
             announce.cancel()
@@ -259,7 +321,8 @@ class Session:
             if stage is None or self._is_closed:
                 return
             words = _STAGE_WORDS.get(stage, "measuring")
-            size = f" of {len(self._shown.scan.points):,} points" if self._shown and stage == "normals" else ""
+            running = self._running
+            size = f" of {len(running.points):,} points" if running is not None and stage == "normals" else ""
             with self._client.atomic():
                 self._panel.progress.visible = True
                 self._panel.progress.value = _STAGE_PERCENT.get(stage, 95.0)
@@ -267,7 +330,7 @@ class Session:
 
     def _fail(self, message: str) -> None:
         with self._lock:
-            self._error = " ".join(message.split())
+            self._error = self._refusal or " ".join(message.split())
             with self._client.atomic():
                 self._panel.progress.visible = False
                 self._show_status(is_stale=self._shown is not None)
@@ -283,9 +346,16 @@ class Session:
                 return
             before = self._shown
             is_new_scan = before is None or before.scan is not scan
+            if before is not None and is_new_scan and before.label == request.label and before.scan.unit == scan.unit:
+                self._client.add_notification("File changed", f"{request.label} has changed and was read again.")
             display = choose_display(scan) if is_new_scan or before is None else before.display
-            self._shown = Shown(request.path, scan, display, inspection)
-            self._error = None
+            drawing = draw(inspection, display, scan.points, self._palette)
+            histogram = html.histogram_html(inspection, self._palette)
+            details = html.details_html(inspection)
+            # Only now: what is exported is what is shown, also if making the picture has failed.
+            self._shown = Shown(request.label, scan, display, inspection)
+            # A run that was under way may end after a control was set to something impossible: that stays said.
+            self._error = self._refusal
             if self._selected is not None and self._selected > len(inspection.steps):
                 self._selected = None
             # The scene is turned upright only for another scan or another up: nothing jumps while a slider moves.
@@ -295,16 +365,18 @@ class Session:
             with self._client.atomic():
                 if is_new_view:
                     size_m = max(0.002, 1.25 * display.spacing_m)
+                    size_m = min(size_m, _LARGEST_DISC * float(np.linalg.norm(np.ptp(display.points, axis=0))))
                     self._stage_view.show_scan(display, view_from_local(inspection), size_m)
                     self._panel.show_point_size(size_m)
-                    self._panel.header.content = html.header_html(scan.name, len(scan.points), len(display.points))
-                drawing = draw(inspection, display, scan.points, self._palette)
-                self._stage_view.show_drawing(drawing, self._guard(self._select))
+                    self._panel.header.content = html.header_html(request.label, len(scan.points), len(display.points))
+                self._stage_view.show_drawing(drawing, self._palette.centre, self._guard(self._select))
                 self._panel.progress.visible = False
-                self._panel.histogram.content = html.histogram_html(inspection, self._palette)
-                self._panel.details.content = html.details_html(inspection)
+                self._panel.histogram.content = histogram
+                self._panel.details.content = details
                 self._show_selection()
-                self._show_status()
+                # While a slider moves, the next run waits already; dimming the table each time would flicker.
+                is_waiting = self._worker.has_waiting() and self._error is None
+                self._show_status(busy="measuring …" if is_waiting else None, is_stale=self._error is not None)
                 if is_new_view:
                     self._look("Home")
 
@@ -364,7 +436,7 @@ class Session:
         self._framed = (view, camera.aspect, pose.position)
 
     def _screenshot(self) -> bytes:
-        """Return the present view as PNG on white, at twice the size of the scene on the page.
+        """Return the present view as PNG on white, as large as the scene on the page.
 
         Raises
         ------
@@ -372,8 +444,8 @@ class Session:
             The page did not deliver the picture in time.
         """
         camera = self._client.camera
-        height = min(2160, 2 * max(camera.image_height, 200))
-        width = round(height * camera.aspect)
+        # Not larger: points keep their size in pixels, and gaps would open between them.
+        height, width = max(camera.image_height, 100), max(camera.image_width, 100)
         try:
             picture = self._client.get_render(height, width, transport_format="png", timeout=_RENDER_TIMEOUT_S)
         except (TimeoutError, RuntimeError) as error:
@@ -386,31 +458,20 @@ class Session:
         Image.alpha_composite(paper, image.convert("RGBA")).convert("RGB").save(stream, "PNG")
         return stream.getvalue()
 
-    # Across a reload or a dropped connection, which makes the browser a new client.
-
-    def _remember(self, params: Params) -> None:
-        state = {"run": self._run_id, "scan": self._wanted_label, "settings": params_to_dict(params)}
-        self._client.local_storage.set_item(_STORAGE_KEY, json.dumps(state))
-
     def _restore(self) -> None:
-        """Take up the settings that this browser had before it was disconnected from this same server."""
+        """Take up what a page of this browser, now closed, had asked of this same server."""
+        storage = self._client.local_storage
         try:
-            kept = self._client.local_storage.get_item(_STORAGE_KEY, timeout=5.0)
+            known = storage.get_item(_STORAGE_KEY, timeout=5.0)
         except (TimeoutError, RuntimeError):
             return
-        try:
-            state = json.loads(kept) if kept else {}
-            if not isinstance(state, dict) or state.get("run") != self._run_id:
-                return
-            params = params_from_dict(dict(state["settings"]), "settings kept by the browser")
-            label = state["scan"]
-        except (ValueError, KeyError, TypeError):
-            # Written by somebody else, or by hand: as good as nothing.
-            return
-        if label in self._scans:
-            self._wanted_label = label
-            self._panel.show_scan_name(label)
-        self._panel.load(params)
+        self._browser_id = known if known and len(known) <= 64 else uuid.uuid4().hex
+        storage.set_item(_STORAGE_KEY, self._browser_id)
+        request = self._kept.take_up(self._browser_id)
+        if request is not None:
+            self._wanted_label = request.label
+            self._panel.show_scan_name(request.label)
+            self._panel.load(request.params)
 
     def _guard(self, action: Callable[..., None]) -> Callable[..., None]:
         """Wrap an action so that its failure is a sentence on the page, not a line in the server's log."""
@@ -419,7 +480,8 @@ class Session:
             try:
                 action(*values)
             except StairError as error:
-                self._notify(str(error))
+                if not self._is_closed:
+                    self._notify(str(error))
             except Exception:
                 if not self._is_closed:
                     logger.exception("an action of a page failed")
@@ -428,8 +490,8 @@ class Session:
         return guarded
 
 
-def _step_number(value: str) -> int:
+def _step_number(value: object) -> int:
     try:
-        return int(value)
+        return int(str(value))
     except ValueError as error:
-        raise ConfigError(f"step: got {value[:40]!r}; give a number") from error
+        raise ConfigError(f"step: got {str(value)[:40]!r}; give a number") from error

@@ -52,6 +52,11 @@ class Newest(Generic[R]):
         with self._condition:
             return self._is_running or bool(self._waiting)
 
+    def has_waiting(self) -> bool:
+        """Return whether another request waits for the one in progress to end."""
+        with self._condition:
+            return bool(self._waiting)
+
     def close(self) -> None:
         """End the thread after the run in progress."""
         with self._condition:
@@ -172,6 +177,7 @@ class Workshop:
     def __init__(self) -> None:
         self._process = HeavyProcess()
         self._scans = _Cache(_SCANS_KEPT)
+        self._stamps: dict[tuple[Path, Unit], tuple[int, ...]] = {}
         self._results = _Cache(_RESULTS_KEPT)
 
     def read(self, path: Path, unit: Unit) -> Scan:
@@ -186,7 +192,9 @@ class Workshop:
             status = path.stat()
             stamp: tuple[int, ...] = (status.st_mtime_ns, status.st_size)
         except OSError:
-            stamp = ()
+            # The file is gone; what has been read of it can still be measured.
+            stamp = self._stamps.get((path, unit), ())
+        self._stamps[path, unit] = stamp
         scan: Scan = self._scans.get((path, unit, stamp), lambda: self._process.run(read_scan, path, unit))
         return scan
 

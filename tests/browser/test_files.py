@@ -71,7 +71,7 @@ def test_the_screenshot_opens_and_shows_the_steps(page):
     image = Image.open(io.BytesIO(content))
     box = page.canvas.bounding_box()
     assert image.format == "PNG"
-    assert image.height == 2 * round(box["height"])
+    assert image.height == round(box["height"])
     assert image.width / image.height == pytest.approx(box["width"] / box["height"], rel=0.01)
     pixels = np.asarray(image.convert("RGB")).astype(int)
     for color in read_palette("page").steps[:5]:

@@ -39,6 +39,30 @@ def test_a_reload_keeps_the_settings_and_the_scan(page):
     assert page.slider_value("α_b [%]") == 6.0
 
 
+@pytest.mark.slow
+def test_two_tabs_of_one_browser_keep_their_own_settings(open_page):
+    first = open_page()
+    second = open_page(context=first.context)
+    first.press("α_f [%]", "ArrowLeft")
+    first.await_result("α 94.5/5 %")
+    second.press("θ_th [°]", "ArrowRight")
+    second.await_result("θ_th 15.5°", "α 95/5 %")
+    first.page.reload()
+    first.await_result("θ_th 15°", "α 94.5/5 %")
+    first.close_notifications()
+    second.await_result("θ_th 15.5°", "α 95/5 %")
+
+
+def test_a_result_that_comes_late_does_not_hide_that_a_control_is_out_of_range(page):
+    # The normals take a while; meanwhile the box is given what cannot be asked for.
+    page.press("k", "ArrowRight", times=3)
+    page.type_number("α_f [%]", 500)
+    page.await_result("k 33", state="error")
+    assert "α_f [%]: got 500; give a value from 51 to 100" in page.text("error")
+    page.type_number("α_f [%]", 95)
+    page.await_result("k 33", "α 95/5 %")
+
+
 def test_a_dropped_connection_comes_back_with_its_settings(page, app):
     page.press("α_f [%]", "ArrowLeft", times=2)
     page.await_result("α 94/5 %")

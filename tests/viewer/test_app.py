@@ -201,7 +201,7 @@ def test_view_stays_on_this_machine_and_prints_its_address(view):
 def test_view_for_everyone_warns(view):
     app, out, err = view("--host", "0.0.0.0", "--port", "0")
     assert app.host == "0.0.0.0"
-    assert "http://0.0.0.0:4321" in out
+    assert "http://127.0.0.1:4321" in out
     assert "warning" in err
     assert "no password" in err
     assert "127.0.0.1" in err

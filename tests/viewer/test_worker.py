@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.errors import CannotMeasure, ReadError
+from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import read_scan
 from stair_inspector.params import NormalsParams
 from stair_inspector.stages.orient import find_normals
@@ -313,3 +314,27 @@ def test_the_least_recent_scans_are_let_go(process, tmp_path):
     n_runs = len(process.runs)
     workshop.read(paths[1], "auto")
     assert len(process.runs) == n_runs + 1
+
+
+def test_a_scan_whose_file_has_gone_can_still_be_measured(tmp_path):
+    path = tmp_path / "stair.ply"
+    path.write_bytes(ply_bytes(np.random.default_rng(0).uniform(0.0, 2.0, (200, 3))))
+    workshop = Workshop()
+    try:
+        scan = workshop.read(path, "m")
+        path.unlink()
+        assert workshop.read(path, "m") is scan
+        with pytest.raises(ReadError):
+            workshop.read(path, "mm")
+    finally:
+        workshop.close()
+
+
+def test_an_idle_process_that_has_died_is_replaced_without_a_word():
+    process = HeavyProcess()
+    try:
+        process._process.kill()
+        process._process.join(timeout=10)
+        assert process.run(len, [1, 2, 3]) == 3
+    finally:
+        process.close()
