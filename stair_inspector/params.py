@@ -201,14 +201,13 @@ class Params:
             No such setting, wrong type, or out of range.
         """
         group_name, _, field_name = name.rpartition(".")
-        if not group_name:
-            if name not in fields_of(Params) or name in GROUPS:
-                raise ConfigError(f"{name}: unknown setting")
-            return dataclasses.replace(self, **{name: value})  # type: ignore[arg-type]
-        if group_name not in GROUPS or field_name not in fields_of(GROUPS[group_name]):
+        owner = GROUPS.get(group_name, Group) if group_name else Params
+        if field_name not in fields_of(owner) or name in GROUPS:
             raise ConfigError(f"{name}: unknown setting")
-        group = dataclasses.replace(getattr(self, group_name), **{field_name: value})
-        return dataclasses.replace(self, **{group_name: group})
+        changes: dict[str, Any] = {field_name: value}
+        if group_name:
+            changes = {group_name: dataclasses.replace(getattr(self, group_name), **changes)}
+        return dataclasses.replace(self, **changes)
 
 
 def knob_of(name: str) -> Knob:

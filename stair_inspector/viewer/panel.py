@@ -195,7 +195,7 @@ class Panel:
             ("CSV", viser.Icon.TABLE, "One row for each step, millimetres and degrees."),
             ("JSON", viser.Icon.BRACES, "Everything: settings, levels, steps, notes; metres and degrees."),
             ("Debug PLY", viser.Icon.CUBE, "The scan in the paper's colours with its edges."),
-            ("Screenshot PNG", viser.Icon.CAMERA, "The scene as it is shown now."),
+            ("Screenshot PNG", viser.Icon.CAMERA, "The scene from where you look now, on white."),
         ):
             button = gui.add_button(kind, icon=icon, hint=hint)
             button.on_click(partial(_download, actions, kind))

@@ -352,7 +352,7 @@ class Session:
             drawing = draw(inspection, display, scan.points, self._palette)
             histogram = html.histogram_html(inspection, self._palette)
             details = html.details_html(inspection)
-            # Only now: what is exported is what is shown, also if making the picture has failed.
+            # Only now: if making a part of the page fails, the exports stay those of the result that is still shown.
             self._shown = Shown(request.label, scan, display, inspection)
             # A run that was under way may end after a control was set to something impossible: that stays said.
             self._error = self._refusal
