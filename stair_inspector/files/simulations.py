@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -115,17 +116,20 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
     """Return the truth of a simulated scan as plain values for JSON, positions in the output frame.
 
     ``nosing_m`` runs from left to right as seen when climbing. A step's ``rise_m`` is the rise to it, its ``going_m``
-    the going from it to the next, null for the upper landing. ``n_points`` counts the points on its top.
+    the going from it to the next, null for the upper landing and for a landing that turns. ``n_points`` counts the
+    points on its top. A scene without a staircase has no steps; its ``stair`` is null and ``scene`` its name.
     """
     building, stair = simulated.building, simulated.building.stair
+    directions_only = None if stair is None else dataclasses.replace(stair, offset_m="0,0,0")
     steps = []
     for step in building.steps:
-        ends = output_from_stair(stair, np.array(step.nosing))
         steps.append(
             {
                 "id": step.step_id,
                 "flight": step.flight,
                 "kind": step.kind,
+                "shape": step.shape,
+                "is_missing": step.is_missing,
                 "rise_m": _tidy(step.rise_m),
                 "going_m": None if step.going_m is None else _tidy(step.going_m),
                 "tread_depth_m": _tidy(step.tread_depth_m),
@@ -135,17 +139,18 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
                 "fall_deg": step.fall_deg,
                 "cross_fall_deg": step.cross_fall_deg,
                 "dish_m": step.dish_m,
-                "nosing_m": _rows(ends),
+                "rise_lcr_m": _tidy_all(step.rise_lcr_m),
+                "going_lcr_m": None if step.going_lcr_m is None else _tidy_all(step.going_lcr_m),
+                "pitch_deg": None if step.pitch_deg is None else _tidy(step.pitch_deg),
+                "climb": _rows(output_from_stair(directions_only, np.array([[*step.climb, 0.0]])))[0],
+                "nosing_m": _rows(output_from_stair(stair, np.array(step.nosing))),
                 "n_points": int((simulated.labels == step.step_id).sum()),
             }
         )
-    yaw = math.radians(stair.yaw_deg)
     stations = [
         {
             "position_m": _rows(output_from_stair(stair, np.array([station.position])))[0],
-            "shift_m": _rows(
-                output_from_stair(dataclasses.replace(stair, offset_m="0,0,0"), np.array([station.shift_m]))
-            )[0],
+            "shift_m": _rows(output_from_stair(directions_only, np.array([station.shift_m])))[0],
             "tilt_deg": _tidy(math.degrees(station.tilt_rad)),
             "n_points": int((simulated.station_ids == index).sum()),
         }
@@ -155,15 +160,23 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
         "schema": TRUTH_SCHEMA,
         "conventions": {
             "levels": "Level 0 is the floor; step k is the level reached over riser k; the last is the upper landing.",
-            "rise_m": "Vertical, from the nosing (or floor) below to the nosing of this step, at mid-width.",
-            "going_m": "Horizontal, from the nosing of this step to the next; null for the upper landing.",
+            "rise_m": "Vertical, from the nosing below (or the floor, or a landing that turns, at the foot of the "
+            "riser) to the nosing of this step, at mid-width.",
+            "rise_lcr_m": "The same at 15, 50 and 85 % of the nosing's length from the left, along the line of climb.",
+            "going_m": "Horizontal, from the nosing of this step to the next, at mid-width; null for the upper landing "
+            "and for a landing that turns. For wedge treads, and on the three lines, square to this step's nosing.",
+            "going_lcr_m": "At 15, 50 and 85 % of the nosing's length from the left.",
+            "pitch_deg": "Angle of the line to the next nosing, from the next rise and this going.",
+            "climb": "Unit vector up the stair at this step, seen from above.",
+            "is_missing": "The step is not built; its measures are those it would have, its neighbours' are to it.",
             "tread_depth_m": "From the nosing to the face of the riser above, or to the back edge.",
-            "height_m": "Height of the nosing at mid-width above the floor.",
+            "height_m": "Height of the nosing at mid-width above the floor: of the strip where it stands proud; where "
+            "the edge is rounded, of the line where the plane of the tread meets the upright in front.",
             "nosing_m": "Left and right end, as seen when climbing.",
         },
         "frame": {
             "up": [0.0, 0.0, 1.0],
-            "climb": [_tidy(math.cos(yaw)), _tidy(math.sin(yaw)), 0.0],
+            "climb": _rows(output_from_stair(directions_only, np.array([[1.0, 0.0, 0.0]])))[0],
             "foot_m": _rows(output_from_stair(stair, np.zeros((1, 3))))[0],
         },
         "scan": {
@@ -171,7 +184,8 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
             "n_floor": int((simulated.labels == 0).sum()),
             "n_mixed": int(simulated.is_mixed.sum()),
         },
-        "stair": dataclasses.asdict(stair),
+        "scene": building.scene or None,
+        "stair": None if stair is None else dataclasses.asdict(stair),
         "scanner": dataclasses.asdict(simulated.scanner),
         "stations": stations,
         "flights": [
@@ -179,6 +193,9 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
                 "id": flight,
                 "steps": [step.step_id for step in building.steps if step.flight == flight],
                 "n_risers": sum(step.flight == flight for step in building.steps),
+                "shape": next(
+                    (s.shape for s in building.steps if s.flight == flight and s.shape != "straight"), "straight"
+                ),
             }
             for flight in sorted({step.flight for step in building.steps})
         ],
@@ -196,5 +213,9 @@ def _tidy(value: float) -> float:
     return round(float(value), _TRUTH_DECIMALS) + 0.0
 
 
+def _tidy_all(values: Iterable[float]) -> list[float]:
+    return [_tidy(value) for value in values]
+
+
 def _rows(points: Floats) -> list[list[float]]:
-    return [[_tidy(value) for value in row] for row in points]
+    return [_tidy_all(row) for row in points.tolist()]

@@ -5,6 +5,8 @@ again, and all ranges computed, in double precision with elementwise numpy: so t
 every processor.
 """
 
+import dataclasses
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,20 +17,26 @@ from numpy.typing import NDArray
 from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels, own
 from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import NON_STAIR_LABEL
+from stair_inspector.simulate.layout import Point
+from stair_inspector.simulate.shapes import Building
 from stair_inspector.simulate.specs import Scanner
-from stair_inspector.simulate.staircase import Building, Point, StepTruth, output_from_stair
+from stair_inspector.simulate.staircase import output_from_stair
 
 Bools = NDArray[np.bool_]
 
 _MISS = -1
 _RAYS_AT_ONCE = 1_000_000
 _RAYS_PER_SQUARE = 5.0  # Left before thinning; one square in 150 is then empty by chance.
+_SQUARES_TURN_DEG = 27.0  # Merging programs know nothing of the stair: no row of squares may follow one of its edges.
+_HOLE_M = 0.05  # Side of the patches in which a surface returns nothing.
+_PAIRS_AT_ONCE = 4_000_000
 _DECIMALS = 5  # Coordinates are rounded to 0.01 mm: far below any noise, far above what processors disagree on.
 _MIXED_JUMP_M = 0.01  # Below this, a receiver sees one echo and no range in between.
 _STEEPEST_GAIN = 10.0
 _LIGHT = (-0.42, -0.35, 0.84)
 _AMBIENT = 0.68
 _CREASE_M = 0.07
+_ASIDE = 0.1  # Stations stand this share of the width beside the way, left and right in turn.
 _NEIGHBOURS = ((0, 1), (0, -1), (1, 0), (-1, 0))
 _AROUND = tuple((row, column) for row in (-1, 0, 1) for column in (-1, 0, 1) if (row, column) != (0, 0))
 
@@ -38,13 +46,15 @@ class Station:
     """Where the scanner stood and what is wrong with the pose it reports.
 
     ``position`` (stair frame, metres) is true; the reported points are turned by ``tilt_rad`` about the level axis
-    with azimuth ``tilt_azimuth_rad`` through the position, and then shifted by ``shift_m``.
+    with azimuth ``tilt_azimuth_rad`` through the position, and then shifted by ``shift_m``. ``heading_rad`` is the
+    azimuth at the middle of the field of view: that of the way at this station.
     """
 
     position: Point
     shift_m: Point
     tilt_rad: float
     tilt_azimuth_rad: float
+    heading_rad: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,8 +107,9 @@ def scan(building: Building, scanner: Scanner) -> SimulatedScan:
     Notes
     -----
     The time is that of the rays, about a second for four million, wherever they go: it is the grid that costs, not
-    the number of points. Thinning keeps one point, chosen at random, in each square of ``spacing_m`` on each surface,
-    whichever station it comes from, as programs that merge stations do.
+    the number of points. Thinning keeps one point, chosen at random, in each square of ``spacing_m`` on each plane,
+    whichever station it comes from, as programs that merge stations do. The squares are turned against the edges of
+    the stair, which would otherwise cut the last row of squares and make the density beside every edge the same.
     """
     caster = _Caster(building)
     poses, *streams = np.random.SeedSequence(scanner.seed).spawn(scanner.stations + 1)
@@ -106,9 +117,13 @@ def scan(building: Building, scanner: Scanner) -> SimulatedScan:
     parts: list[_Returns] = []
     for index, (station, stream) in enumerate(zip(stations, streams, strict=True)):
         rng = np.random.Generator(np.random.PCG64(stream))
-        for azimuths, elevations in _sectors(building, scanner, station):
-            parts.append(_scan_sector(caster, scanner, index, station, azimuths, elevations, rng))
-    returns = _thinned(_Returns.joined(parts), scanner.spacing_m)
+        sectors = [
+            _scan_sector(caster, scanner, index, station, azimuths, elevations, rng)
+            for azimuths, elevations in _sectors(building, scanner, station)
+        ]
+        returns = _Returns.joined(sectors)
+        parts.append(dataclasses.replace(returns, points=_smoothed(returns.points, scanner.smooth_m)))
+    returns = _thinned(_Returns.joined(parts), caster.joint_of, scanner.spacing_m)
     if len(returns.points) > scanner.max_points:
         returns = returns.taken(np.sort(np.argsort(returns.priority, kind="stable")[: scanner.max_points]))
     labels = np.array([surface.label for surface in building.surfaces], dtype=np.int16)[returns.surface_ids]
@@ -135,24 +150,32 @@ def place_stations(building: Building, scanner: Scanner, rng: np.random.Generato
     Parameters
     ----------
     building : Building
-        The first station stands on its floor, the last on its upper landing, the others evenly between in plan; they
-        stand a tenth of the width left and right of the middle in turn.
+        The first station stands on its floor, the last on its upper landing, the others evenly between in plan, along
+        the middles of the steps; they stand a tenth of the width left and right of the middle in turn. A scene is
+        scanned from its own walking line.
     scanner : Scanner
         Number of stations, height, standoff and errors.
     rng : Generator
         Source of the errors.
     """
-    stair, steps = building.stair, building.steps
-    first = -min(scanner.standoff_m, stair.floor_front_m)
-    last = steps[-1].nosing[0][0] + min(0.7, 0.6 * stair.upper_landing_m)
+    stair = building.stair
+    walk = building.walk
+    if stair is not None:
+        walk = ((-min(scanner.standoff_m, stair.floor_front_m), 0.0, 0.0), *walk)
+    aside_m = _ASIDE * (stair.width_m if stair is not None else 1.0)
     drift = rng.standard_normal(3)
     drift /= math.sqrt(float((drift * drift).sum()))
     stations: list[Station] = []
     travelled, previous = 0.0, None
     for index in range(scanner.stations):
-        x = first if scanner.stations == 1 else first + (last - first) * index / (scanner.stations - 1)
-        y = stair.width_m * (0.1 if index % 2 == 0 else -0.1)
-        position = (x, y, _ground(steps, x) + scanner.sensor_height_m)
+        share = 0.0 if scanner.stations == 1 else index / (scanner.stations - 1)
+        (x, y, ground), heading_rad = _on_the_way(walk, share)
+        aside = aside_m if index % 2 == 0 else -aside_m
+        position = (
+            x - aside * math.sin(heading_rad),
+            y + aside * math.cos(heading_rad),
+            ground + scanner.sensor_height_m,
+        )
         if previous is not None:
             travelled += math.dist(position, previous)
         previous = position
@@ -167,13 +190,27 @@ def place_stations(building: Building, scanner: Scanner, rng: np.random.Generato
                 shift_m=(float(shifts[0]), float(shifts[1]), float(shifts[2])),
                 tilt_rad=math.radians(scanner.tilt_deg) * float(draws[3]),
                 tilt_azimuth_rad=2.0 * math.pi * float(rng.random()),
+                heading_rad=heading_rad,
             )
         )
     return tuple(stations)
 
 
-def _ground(steps: tuple[StepTruth, ...], x: float) -> float:
-    return max((step.height_m for step in steps if step.nosing[0][0] <= x), default=0.0)
+def _on_the_way(walk: tuple[Point, ...], share: float) -> tuple[Point, float]:
+    """Return the point at a share of a line's length as seen from above, and the line's azimuth there, radians.
+
+    Its height is that of the last corner passed, as on steps.
+    """
+    lengths = [math.dist(start[:2], stop[:2]) for start, stop in itertools.pairwise(walk)]
+    wanted, passed = share * sum(lengths), 0.0
+    piece = 0
+    # A hair before a corner counts as on it: sums of lengths are not exact.
+    while piece + 1 < len(lengths) and passed + lengths[piece] <= wanted + 1e-9:
+        passed += lengths[piece]
+        piece += 1
+    (x0, y0, ground), (x1, y1, _) = walk[piece], walk[piece + 1]
+    part = (wanted - passed) / lengths[piece]
+    return (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, ground), math.atan2(y1 - y0, x1 - x0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -212,17 +249,83 @@ class _Returns:
         )
 
 
-def _thinned(returns: _Returns, spacing_m: float) -> _Returns:
-    """Keep the return with the lowest priority number in each square of each surface."""
+def _thinned(returns: _Returns, joint_of: Ints, spacing_m: float) -> _Returns:
+    """Keep the return with the lowest priority number in each square; surfaces with one ``joint_of`` share squares."""
     if not spacing_m:
         return returns
     column, row = returns.squares.T
-    order = np.lexsort((returns.priority, row, column, returns.surface_ids))
+    joints = joint_of[returns.surface_ids]
+    order = np.lexsort((returns.priority, row, column, joints))
     is_first = np.ones(len(order), dtype=np.bool_)
-    for key in (returns.surface_ids[order], column[order], row[order]):
+    for key in (joints[order], column[order], row[order]):
         is_first[1:] &= key[1:] == key[:-1]
     is_first[1:] = ~is_first[1:]
     return returns.taken(np.sort(order[is_first]))
+
+
+def _smoothed(points: Floats, radius_m: float) -> Floats:
+    """Move every point to the mean of the points within the radius, itself included.
+
+    Notes
+    -----
+    A grid in plain numpy, not a search tree: sums are taken in an order that no processor and no library changes.
+    """
+    if not radius_m or not len(points):
+        return points
+    cells = np.floor(points / radius_m).astype(np.int64)
+    cells -= cells.min(axis=0) - 1
+    n_columns, n_layers = (int(n) for n in cells[:, 1:].max(axis=0) + 2)
+    keys = (cells[:, 0] * n_columns + cells[:, 1]) * n_layers + cells[:, 2]
+    order = np.argsort(keys, kind="stable")
+    keys, placed = keys[order], points[order]
+    total, count = np.zeros_like(placed), np.zeros(len(placed))
+    # Cells above each other follow each other in the order: nine runs of three cells are the neighbourhood.
+    for column in [(row * n_columns + side) * n_layers for row in (-1, 0, 1) for side in (-1, 0, 1)]:
+        start = np.searchsorted(keys, keys + column - 1, side="left")
+        length = np.searchsorted(keys, keys + column + 1, side="right") - start
+        ends = np.cumsum(length)
+        first = 0
+        while first < len(keys):
+            paired = int(ends[first - 1]) if first else 0
+            last = max(first + 1, int(np.searchsorted(ends, paired + _PAIRS_AT_ONCE, side="right")))
+            n_each = length[first:last]
+            mine = np.repeat(np.arange(first, last), n_each)
+            offset = np.arange(len(mine)) - np.repeat(ends[first:last] - n_each - paired, n_each)
+            theirs = start[mine] + offset
+            apart = placed[theirs] - placed[mine]
+            is_near = _dot(apart, apart) <= radius_m * radius_m
+            mine, theirs = mine[is_near] - first, theirs[is_near]
+            count[first:last] += np.bincount(mine, minlength=last - first)
+            for axis in range(3):
+                total[first:last, axis] += np.bincount(mine, placed[theirs, axis], minlength=last - first)
+            first = last
+    smoothed = np.zeros_like(points)
+    smoothed[order] = total / count[:, None]
+    return smoothed
+
+
+def _on_surface(caster: "_Caster", ids: Ints, hit: Floats) -> Floats:
+    """Return where on its surface each ray hits, (n, 2) metres, along two axes askew to the edges of the stair."""
+    a, b = np.take_along_axis(hit, caster.flat_axes[ids], axis=1).T
+    cos, sin = math.cos(math.radians(_SQUARES_TURN_DEG)), math.sin(math.radians(_SQUARES_TURN_DEG))
+    return np.stack([cos * a + sin * b, cos * b - sin * a], axis=1)
+
+
+def _is_hole(joint_ids: Ints, on_surface: Floats, scanner: Scanner) -> Bools:
+    """Say which rays hit a patch of a surface that returns nothing, from whichever station it is looked at."""
+    if not scanner.hole_share:
+        return np.zeros(len(joint_ids), dtype=np.bool_)
+    patches = np.floor(on_surface / _HOLE_M).astype(np.int64)
+    mixed = np.full(len(joint_ids), scanner.seed, dtype=np.uint64)
+    for key in (joint_ids, patches[:, 0], patches[:, 1]):
+        # The finalizer of SplitMix64 (Steele, Lea, Flood, 2014): a number for each patch, in whatever order it is hit.
+        mixed = (mixed ^ key.astype(np.uint64)) + np.uint64(0x9E3779B97F4A7C15)
+        mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        mixed ^= mixed >> np.uint64(31)
+    chance = (mixed >> np.uint64(11)).astype(np.float64) / 2.0**53
+    is_hole: Bools = chance < scanner.hole_share
+    return is_hole
 
 
 class _Caster:
@@ -249,6 +352,11 @@ class _Caster:
         self.surface_of = building.surface_of
         surfaces = building.surfaces
         self.rgb = np.array([surface.rgb for surface in surfaces], dtype=np.float64)
+        # A tread and its nosing strip lie in one plane: a row of cut squares between them would show in the density.
+        labels = [surface.label for surface in surfaces]
+        self.joint_of = np.array(
+            [index if label == NON_STAIR_LABEL else labels.index(label) for index, label in enumerate(labels)]
+        )
         self.crease_axis = np.array([surface.crease[0] if surface.crease else 0 for surface in surfaces])
         self.crease_at = np.array([surface.crease[1] if surface.crease else np.inf for surface in surfaces])
 
@@ -334,6 +442,7 @@ def _sectors(building: Building, scanner: Scanner, station: Station) -> Iterator
     n_columns = max(1, round(scanner.azimuth_width_deg / scanner.azimuth_step_deg))
     elevations = np.radians(scanner.elevation_low_deg + scanner.elevation_step_deg * np.arange(n_rows))
     azimuths = np.radians(scanner.azimuth_step_deg * (np.arange(n_columns) + 0.5) - scanner.azimuth_width_deg / 2.0)
+    azimuths += station.heading_rad
     step = max(1, _RAYS_AT_ONCE // n_rows)
     for start in range(0, n_columns, step):
         yield azimuths[start : start + step], elevations
@@ -377,12 +486,13 @@ def _scan_sector(
     own_m2 = steps_rad * np.cos(elevations)[rows] * range_m * range_m / np.maximum(cosine, 1e-6)
     square_m2 = scanner.spacing_m**2 / _RAYS_PER_SQUARE
     wanted = np.minimum(1.0, own_m2 / square_m2) if square_m2 else np.ones(len(own_m2))
+    hit = np.array(origin)[None, :] + rays * range_m[:, None]
+    on_surface = _on_surface(caster, ids, hit)
     u_thin, u_drop, u_mixed, u_between = chance[:, rows, columns]
     is_kept = (u_thin < wanted) & (u_drop >= scanner.dropout_share) & (range_m <= scanner.range_max_m)
+    is_kept &= ~_is_hole(caster.joint_of[caster.surface_of[ids]], on_surface, scanner)
     rows, columns, rays, ids = rows[is_kept], columns[is_kept], rays[is_kept], ids[is_kept]
-    range_m, cosine = range_m[is_kept], cosine[is_kept]
-    hit = np.array(origin)[None, :] + rays * range_m[:, None]
-    on_surface = np.take_along_axis(hit, caster.flat_axes[ids], axis=1)
+    range_m, cosine, hit, on_surface = range_m[is_kept], cosine[is_kept], hit[is_kept], on_surface[is_kept]
     squares = np.floor(on_surface / scanner.spacing_m) if scanner.spacing_m else np.zeros((len(ids), 2))
 
     other_m, spacing_m = _across_edges(caster, scanner, origin, directions, elevations, triangles, (rows, columns))
@@ -392,7 +502,10 @@ def _scan_sector(
     measured_m = range_m.copy()
     measured_m[is_mixed] += u_between[is_kept][is_mixed] * (other_m[is_mixed] - range_m[is_mixed])
     gain = 1.0 + scanner.incidence_gain * (1.0 / np.maximum(cosine, 1e-6) - 1.0)
-    measured_m += scanner.noise_m * np.minimum(gain, _STEEPEST_GAIN) * noise[rows, columns]
+    far_m = scanner.range_noise_m * range_m * range_m
+    # A sigma that does not grow is left as it is: the root of its square may differ in the last place.
+    sigma_m = np.sqrt(scanner.noise_m**2 + far_m * far_m) if scanner.range_noise_m else scanner.noise_m
+    measured_m += sigma_m * np.minimum(gain, _STEEPEST_GAIN) * noise[rows, columns]
     # A range cannot be negative: what noise puts behind the scanner never existed.
     measured_m = np.maximum(measured_m, 0.0)
 

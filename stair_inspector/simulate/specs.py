@@ -14,6 +14,8 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.params import Group, Knob
 
 Sides = Literal["none", "left", "right", "both"]
+Shape = Literal["straight", "winder", "spiral"]
+Turn = Literal["none", "left", "right", "u_left", "u_right"]
 
 SLAB_M = 0.04
 """Thickness of a tread's slab, metres: the height of the nosing's upright face."""
@@ -21,11 +23,14 @@ SLAB_M = 0.04
 _LARGEST_OFFSET_M = 1e8
 _SMALLEST_RISE_M = 0.06
 _SMALLEST_GOING_M = 0.1
+_LARGEST_SKEW_M = 0.05
+N_WINDERS = 3
+"""Winder treads in the square in which a winder staircase turns by 90 degrees."""
 
 
 @dataclass(frozen=True)
 class Stair(Group):
-    """A straight staircase and what stands around it."""
+    """A staircase and what stands around it."""
 
     n_risers: Annotated[
         int, Knob(1, 60, 1, "risers"), Doc("Risers (1 to 60); the last one leads onto the upper landing.")
@@ -61,6 +66,41 @@ class Stair(Group):
         Knob(0.5, 5.0, 0.01, "landing depth", display_unit="mm", per_display=1000.0),
         Doc("Intermediate landing, from its nosing to the nosing of the next step, metres (0.5 to 5)."),
     ] = 1.2
+    turn: Annotated[
+        Turn,
+        Doc(
+            "Turn at the intermediate landing, as seen when climbing: none, left, right (by 90 degrees; the landing is "
+            "a square), u_left, u_right (back beside the first flight). A winder or spiral turns left, unless "
+            "'right' is given."
+        ),
+    ] = "none"
+    well_m: Annotated[
+        float,
+        Knob(0.0, 3.0, 0.01, "well", display_unit="mm", per_display=1000.0),
+        Doc("Gap between the two flights of a turn u_left or u_right, metres (0 to 3)."),
+    ] = 0.1
+    shape: Annotated[
+        Shape,
+        Doc(
+            "straight; winder: three wedge treads turn the stair by 90 degrees about a post; spiral: wedge treads "
+            "about a column, their going measured at the middle of the width."
+        ),
+    ] = "straight"
+    winder_after: Annotated[
+        int,
+        Knob(0, 56, 1, "winders after step"),
+        Doc("Straight steps below the three wedge treads of a winder (0 to 56)."),
+    ] = 3
+    spiral_radius_m: Annotated[
+        float,
+        Knob(0.03, 1.0, 0.01, "column radius", display_unit="mm", per_display=1000.0),
+        Doc("Radius of a spiral's column, where its treads begin, metres (0.03 to 1)."),
+    ] = 0.1
+    twin_gap_m: Annotated[
+        float,
+        Knob(0.0, 3.0, 0.01, "gap to a twin", display_unit="mm", per_display=1000.0),
+        Doc("Gap to a second staircase of the same kind on the left of the first, metres (0 to 3); 0 for none."),
+    ] = 0.0
     upper_landing_m: Annotated[
         float,
         Knob(0.3, 5.0, 0.01, "upper landing", display_unit="mm", per_display=1000.0),
@@ -76,6 +116,29 @@ class Stair(Group):
         Knob(0.5, 12.0, 0.1, "floor width", display_unit="m"),
         Doc("Width of the floor, metres (0.5 to 12); walls stand at the sides of the stair all the same."),
     ] = 2.0
+    floor_all_round: Annotated[
+        bool,
+        Doc("Floor on all sides of the stair, not in front only; a stair that turns or has a twin has it anyway."),
+    ] = False
+    strip_proud_m: Annotated[
+        float,
+        Knob(0.0, 0.01, 0.0005, "strip proud", display_unit="mm", per_display=1000.0),
+        Doc(
+            "How far the nosing strips, 50 mm wide, stand proud of the treads, metres (0 to 0.01). Rises and heights "
+            "are those of the strips; the treads lie this much lower."
+        ),
+    ] = 0.0
+    round_nosing_m: Annotated[
+        float,
+        Knob(0.0, 0.03, 0.001, "nosing radius", display_unit="mm", per_display=1000.0),
+        Doc(
+            "Radius of the rounded edge of every nosing, metres (0 to 0.03). The true nosing stays where the tread's "
+            "plane meets the upright at the front of it."
+        ),
+    ] = 0.0
+    missing_treads: Annotated[
+        str, Doc("Treads that are not built, as steps (5,6); needs open_risers. Steps are counted as if they were.")
+    ] = ""
     wall: Annotated[Sides, Doc("Side walls, flush with the treads: none, left, right (when climbing) or both.")] = (
         "none"
     )
@@ -102,6 +165,13 @@ class Stair(Group):
     dish_errors_m: Annotated[
         str, Doc("Treads that are worn hollow, as step:metres at the deepest point (2:0.005); the edges stay.")
     ] = ""
+    skew_errors_m: Annotated[
+        str,
+        Doc(
+            "Nosings that are turned in plan, as step:metres (4:0.01): the left end lies this much farther forward, "
+            "towards who climbs, than the right end; the middle keeps its place. Straight stairs only."
+        ),
+    ] = ""
     yaw_deg: Annotated[
         float,
         Knob(-180.0, 180.0, 1.0, "yaw", display_unit="deg"),
@@ -125,6 +195,11 @@ class Stair(Group):
         parse_errors("stair.fall_errors_deg", self.fall_errors_deg, last, 10.0)
         parse_errors("stair.cross_fall_errors_deg", self.cross_fall_errors_deg, last, 5.0)
         parse_errors("stair.dish_errors_m", self.dish_errors_m, last, SLAB_M / 2.0)
+        parse_errors("stair.skew_errors_m", self.skew_errors_m, last, _LARGEST_SKEW_M)
+        self._check_missing()
+        self._check_turn()
+        self._check_wedges()
+        self._check_straight_only()
         for name, wanted, errors, smallest in (
             ("rise", self.rise_m, rises, _SMALLEST_RISE_M),
             ("going", self.going_m, goings, _SMALLEST_GOING_M),
@@ -135,6 +210,54 @@ class Stair(Group):
                         f"stair.{name}_errors_m: step {step} would have a {name} of {wanted + error:g} m; give an "
                         f"error that leaves at least {smallest:g} m"
                     )
+
+    @property
+    def is_turning(self) -> bool:
+        """Whether one leaves the stair in another direction than one enters it, or beside the way one came."""
+        return self.turn != "none" or self.shape != "straight"
+
+    def _check_missing(self) -> None:
+        steps = parse_steps("stair.missing_treads", self.missing_treads, self.n_risers - 1)
+        if steps and not self.open_risers:
+            raise ConfigError("stair.missing_treads: a tread can be missing only where open_risers is on")
+        if self.landing_after in steps:
+            raise ConfigError(f"stair.missing_treads: step {self.landing_after} is a landing; give treads")
+
+    def _check_turn(self) -> None:
+        if self.shape == "straight" and self.turn != "none" and not self.landing_after:
+            raise ConfigError(f"stair.turn: got {self.turn!r} without a landing; give landing_after, or shape winder")
+        if self.shape != "straight" and self.turn.startswith("u_"):
+            raise ConfigError(f"stair.turn: got {self.turn!r} with shape {self.shape}; give left or right")
+        if self.turn != "none" and self.shape == "straight":
+            for name in ("going_errors_m", "dish_errors_m"):
+                if self.landing_after in parse_errors(f"stair.{name}", getattr(self, name), self.n_risers, math.inf):
+                    raise ConfigError(f"stair.{name}: step {self.landing_after} is a landing that turns; give a tread")
+
+    def _check_wedges(self) -> None:
+        if self.shape == "winder" and self.winder_after + N_WINDERS >= self.n_risers:
+            raise ConfigError(
+                f"stair.winder_after: got {self.winder_after} with {self.n_risers} risers; give at most "
+                f"{self.n_risers - N_WINDERS - 1}, and at least {N_WINDERS + 1} risers"
+            )
+        if self.shape == "spiral" and self.going_m > self.spiral_radius_m + self.width_m / 2.0:
+            raise ConfigError(
+                f"stair.going_m: got {self.going_m:g}; a spiral of this width has room for "
+                f"{self.spiral_radius_m + self.width_m / 2.0:g} m at most"
+            )
+
+    def _check_straight_only(self) -> None:
+        straight_only = {
+            "landing_after": self.shape != "straight" and self.landing_after > 0,
+            "going_errors_m": self.shape != "straight" and bool(self.going_errors_m.strip()),
+            "skew_errors_m": self.shape != "straight" and bool(self.skew_errors_m.strip()),
+            "dish_errors_m": self.shape != "straight" and bool(self.dish_errors_m.strip()),
+            "wall": self.is_turning and self.wall != "none",
+            "twin_gap_m": self.is_turning and self.twin_gap_m > 0.0,
+        }
+        for name, is_set in straight_only.items():
+            if is_set:
+                what = f"shape {self.shape}" if self.shape != "straight" else f"turn {self.turn}"
+                raise ConfigError(f"stair.{name}: got {getattr(self, name)!r}; not possible with {what}")
 
 
 @dataclass(frozen=True)
@@ -195,6 +318,22 @@ class Scanner(Group):
         Knob(0.0, 0.1, 0.001, "range noise", display_unit="mm", per_display=1000.0),
         Doc("Noise along the ray at square incidence, 1 sigma, metres (0 to 0.1)."),
     ] = 0.001
+    range_noise_m: Annotated[
+        float,
+        Knob(0.0, 0.02, 0.0001, "far noise", display_unit="mm", per_display=1000.0),
+        Doc(
+            "Noise that grows with the square of the range, as of cameras that triangulate: 1 sigma at 1 m, metres (0 "
+            "to 0.02), added in quadrature."
+        ),
+    ] = 0.0
+    smooth_m: Annotated[
+        float,
+        Knob(0.0, 0.05, 0.001, "smoothing", display_unit="mm", per_display=1000.0),
+        Doc(
+            "Radius over which the device smooths its surfaces, metres (0 to 0.05): every point goes to the mean of "
+            "the points of its station within it, which rounds edges. 0 for none."
+        ),
+    ] = 0.0
     incidence_gain: Annotated[
         float,
         Knob(0.0, 2.0, 0.05, "grazing noise"),
@@ -223,6 +362,11 @@ class Scanner(Group):
     dropout_share: Annotated[
         float, Knob(0.0, 0.99, 0.01, "dropouts"), Doc("Share of the rays that return nothing (0 to 0.99).")
     ] = 0.01
+    hole_share: Annotated[
+        float,
+        Knob(0.0, 0.9, 0.01, "holes"),
+        Doc("Share of the surfaces that returns nothing to any station, in patches of 5 cm (0 to 0.9)."),
+    ] = 0.0
     registration_m: Annotated[
         float,
         Knob(0.0, 0.1, 0.001, "registration", display_unit="mm", per_display=1000.0),
@@ -305,11 +449,15 @@ PROFILES: dict[str, Scanner] = {
         elevation_high_deg=-12.0,
         range_max_m=3.5,
         spacing_m=0.006,
-        noise_m=0.006,
+        # 6 mm at 1.5 m, 16 mm at 2.5 m; smoothing leaves edges with a radius of 5 to 8 mm.
+        noise_m=0.002,
+        range_noise_m=0.0025,
+        smooth_m=0.012,
         noise_patch_rays=5,
         beam_m=0.01,
         mixed_share=0.1,
         dropout_share=0.1,
+        hole_share=0.03,
         registration_m=0.003,
         drift_m_per_m=0.003,
         tilt_deg=0.3,
@@ -325,6 +473,7 @@ PROFILES: dict[str, Scanner] = {
         range_max_m=5.0,
         spacing_m=0.01,
         noise_m=0.008,
+        smooth_m=0.015,
         noise_patch_rays=7,
         beam_m=0.02,
         mixed_share=0.2,
@@ -378,6 +527,39 @@ def parse_errors(name: str, text: str, last_step: int, largest: float) -> dict[i
             raise ConfigError(f"{name}: got {value:g} for step {step}; give a value from {-largest:g} to {largest:g}")
         errors[step] = value
     return errors
+
+
+def parse_steps(name: str, text: str, last_step: int) -> tuple[int, ...]:
+    """Return the steps that ``text`` lists, in order.
+
+    Parameters
+    ----------
+    name : str
+        Setting, for the message.
+    text : str
+        Steps separated by commas; empty for none.
+    last_step : int
+        Highest step that may be named; the lowest is 1.
+
+    Raises
+    ------
+    ConfigError
+        Not of that form, or no such step.
+
+    Examples
+    --------
+    >>> parse_steps("stair.missing_treads", "6, 5", 9)
+    (5, 6)
+    """
+    try:
+        steps = {int(step) for step in text.split(",")} if text.strip() else set()
+    except ValueError:
+        raise ConfigError(f"{name}: got {text!r}; give steps such as 5,6") from None
+    for step in sorted(steps):
+        if not 1 <= step <= last_step:
+            known = f"steps 1 to {last_step}" if last_step >= 1 else "no step"
+            raise ConfigError(f"{name}: got step {step}; this stair has {known} to which it applies")
+    return tuple(sorted(steps))
 
 
 def parse_offset(text: str) -> tuple[float, float, float]:

@@ -11,6 +11,7 @@ from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.simulations import simulate_to_file, truth_of, write_samples, write_simulation
 from stair_inspector.simulate.samples import SAMPLES
 from stair_inspector.simulate.scanner import scan
+from stair_inspector.simulate.scenes import SCENES
 from stair_inspector.simulate.specs import Scanner, Stair
 from stair_inspector.simulate.staircase import build
 
@@ -91,6 +92,48 @@ def test_truth_is_in_the_output_frame(tmp_path):
     floor = points[np.abs(points[:, 2] - 520.0) < 0.005]
     assert len(floor) > 100
     assert floor[:, 1].max() < 5335000.01
+
+
+def test_truth_of_a_stair_that_turns(tmp_path):
+    stair = Stair(n_risers=5, landing_after=2, turn="right", yaw_deg=90.0, offset_m="10,20,0", width_m=1.0)
+    _, truth_path = simulate_to_file(tmp_path / "turned.ply", stair, COARSE)
+    truth = json.loads(truth_path.read_text("ascii"))
+    landing, first = truth["steps"][1:3]
+    # Climbing along +y, then to the right along +x, with the left on +y.
+    assert (landing["climb"], first["climb"]) == ([0.0, 1.0, 0.0], [1.0, 0.0, 0.0])
+    assert (landing["going_m"], landing["going_lcr_m"], landing["pitch_deg"]) == (None, None, None)
+    assert landing["tread_depth_m"] == 1.025
+    assert first["nosing_m"] == [[10.475, 21.28, 0.51], [10.475, 20.28, 0.51]]
+    assert first["rise_lcr_m"] == [0.17, 0.17, 0.17]
+    assert first["going_lcr_m"] == [0.28, 0.28, 0.28]
+    assert first["pitch_deg"] == pytest.approx(math.degrees(math.atan2(0.17, 0.28)), abs=1e-8)
+    assert [flight["shape"] for flight in truth["flights"]] == ["straight", "straight"]
+    assert {step["shape"] for step in truth["steps"]} == {"straight"}
+
+
+@pytest.mark.parametrize(("shape", "shapes"), [("winder", {"straight", "winder"}), ("spiral", {"spiral"})])
+def test_truth_states_the_shape(shape, shapes):
+    truth = truth_of(scan(build(Stair(n_risers=6, shape=shape, winder_after=1)), COARSE))
+    assert [flight["shape"] for flight in truth["flights"]] == [shape]
+    assert {step["shape"] for step in truth["steps"]} == shapes
+    assert truth["stair"]["shape"] == shape
+    json.dumps(truth, allow_nan=False)
+
+
+def test_truth_lists_the_twin_and_what_is_missing():
+    stair = Stair(n_risers=4, twin_gap_m=0.25, open_risers=True, missing_treads="2")
+    truth = truth_of(scan(build(stair), COARSE))
+    assert [step["id"] for step in truth["steps"]] == list(range(1, 9))
+    assert [flight["steps"] for flight in truth["flights"]] == [[1, 2, 3, 4], [5, 6, 7, 8]]
+    assert [step["id"] for step in truth["steps"] if step["is_missing"]] == [2, 6]
+    assert {step["id"] for step in truth["steps"] if not step["n_points"]} == {2, 6}
+
+
+def test_a_scene_is_written_with_an_empty_truth(tmp_path):
+    _, truth_path = write_simulation(tmp_path / "kerb.ply", scan(SCENES["kerb"](), COARSE))
+    truth = json.loads(truth_path.read_text("ascii"))
+    assert (truth["steps"], truth["flights"], truth["stair"], truth["scene"]) == ([], [], None, "kerb")
+    assert truth["scan"]["n_floor"] > 100
 
 
 def test_points_survive_the_file(tmp_path):

@@ -208,14 +208,28 @@ def test_spacing_thins_to_one_point_in_a_square():
         flat = points[:, np.ptp(points, axis=0) > 1e-4]
         if flat.shape[1] != 2:
             continue
-        squares = np.floor(flat / 0.05)
+        turn = math.radians(27.0)
+        askew = flat @ np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+        squares = np.floor(askew / 0.05)
         # Rounding can carry a point over the border of its square.
         assert len(np.unique(squares, axis=0)) >= 0.99 * len(squares)
     # Thinning takes a subset; what is left covers the floor: 1.8 m by 2 m, but for the blind spot under the tripod.
     everything = scan(building, dataclasses.replace(fine, spacing_m=0.0))
     floor = simulated.points[simulated.labels == 0]
     assert len(everything.points) > 5 * len(simulated.points)
-    assert 0.9 < len(floor) * 0.05**2 / (1.8 * 2.0) <= 1.05
+    # Squares that the floor's border cuts have a point each as well.
+    border_m = 2.0 * (1.8 + 2.0)
+    assert 0.9 < len(floor) * 0.05**2 / (1.8 * 2.0) <= 1.0 + border_m * 0.05 / (1.8 * 2.0)
+
+
+def test_squares_are_turned_against_the_stair():
+    # The tread is 15.25 squares deep: along its edges the last row would have the points of a whole one on 5 mm.
+    building = build(Stair(n_risers=3, going_m=0.28))
+    simulated = scan(building, exact(azimuth_step_deg=0.15, elevation_step_deg=0.15, spacing_m=0.02))
+    x = simulated.points[simulated.labels == 2][:, 0] - building.steps[1].nosing[0][0]
+    rows = np.bincount(np.floor(x / 0.005).astype(int), minlength=56)[1:55]
+    # Four standard errors of counts of independent points; the seam behind the nosing strip does not show either.
+    assert np.abs(rows - rows.mean()).max() < 4.0 * math.sqrt(rows.mean())
 
 
 def test_no_more_points_than_asked_for():
@@ -279,6 +293,18 @@ def test_same_seed_same_bytes_other_seed_other_points():
     assert first.points.tobytes() != other.points.tobytes()
 
 
+@pytest.mark.parametrize(("profile", "shape"), [("depth_camera", "spiral"), ("phone", "winder"), ("phone", "u_right")])
+def test_same_seed_same_bytes_with_everything_on(profile, shape):
+    rough = dataclasses.replace(PROFILES[profile], stations=3, azimuth_step_deg=0.6, elevation_step_deg=0.6)
+    rough = dataclasses.replace(rough, hole_share=0.1, range_noise_m=0.002)
+    first, second = scan(build(SHAPES[shape]), rough), scan(build(SHAPES[shape]), rough)
+    assert len(first.points) > 1000
+    assert first.points.tobytes() == second.points.tobytes()
+    assert first.colors.tobytes() == second.colors.tobytes()
+    other = scan(build(SHAPES[shape]), dataclasses.replace(rough, seed=99))
+    assert first.points.tobytes() != other.points.tobytes()
+
+
 def test_rays_past_an_edge_do_not_depend_on_single_precision():
     building = build(Stair(n_risers=3))
     caster = _Caster(building)
@@ -307,6 +333,164 @@ def test_every_profile_sees_a_stair(name):
     assert (counts[1:6] > 100).all()
     assert counts[6] > 20
     assert np.isfinite(simulated.points).all()
+
+
+def test_noise_grows_with_the_square_of_the_range():
+    sigma = 0.003
+    clean = scan(build(Stair(n_risers=5)), EXACT)
+    noisy = scan(build(Stair(n_risers=5)), exact(noise_m=0.002, range_noise_m=sigma, incidence_gain=0.0))
+    error, range_m = ranges_of(noisy) - ranges_of(clean), ranges_of(clean)
+    for low, high in ((1.0, 1.6), (1.6, 2.2), (2.2, 3.0)):
+        here = (range_m > low) & (range_m < high)
+        scaled = error[here] / np.hypot(0.002, sigma * range_m[here] ** 2)
+        assert here.sum() > 2000
+        assert abs(scaled.std() - 1.0) < 4.0 / math.sqrt(2 * here.sum())
+
+
+def test_smoothing_moves_every_point_to_the_mean_of_its_neighbours():
+    building = build(Stair(n_risers=3))
+    sharp, smooth = scan(building, exact(stations=2)), scan(building, exact(stations=2, smooth_m=0.03))
+    assert np.array_equal(sharp.labels, smooth.labels)
+    for index in range(2):
+        here = np.flatnonzero(sharp.station_ids == index)
+        for one in here[:: len(here) // 200]:
+            near = np.linalg.norm(sharp.points[here] - sharp.points[one], axis=1)
+            # A neighbour may lie just at the radius: the rounding decides, and there is nothing to compare.
+            if np.abs(near - 0.03).min() > 2e-5:
+                mean = sharp.points[here][near < 0.03].mean(axis=0)
+                assert smooth.points[one] == pytest.approx(mean, abs=1.5e-5)
+
+
+def test_smoothing_rounds_edges_and_leaves_flats_alone():
+    building = build(Stair(n_risers=4))
+    fine = exact(azimuth_step_deg=0.2, elevation_step_deg=0.2, elevation_high_deg=0.0)
+    sharp, smooth = (scan(building, dataclasses.replace(fine, smooth_m=radius)) for radius in (0.0, 0.012))
+    x, z = building.steps[1].nosing[0][0], building.steps[1].height_m
+    beside = (np.abs(sharp.points[:, 0] - x) < 0.002) & (np.abs(sharp.points[:, 2] - z) < 0.002)
+    inside = (smooth.points[beside, 0] - x) + (z - smooth.points[beside, 2])
+    assert beside.sum() > 50
+    assert 0.001 < np.median(inside) / math.sqrt(2.0) < 0.006
+    flat = (sharp.labels == 2) & (sharp.points[:, 0] > x + 0.03) & (sharp.points[:, 0] < x + 0.2)
+    assert np.abs(smooth.points[flat, 2] - z).max() < 2e-5
+
+
+def test_holes_are_patches_that_no_station_sees():
+    building = build(Stair(n_risers=5))
+    everything, holed = scan(building, EXACT), scan(building, exact(hole_share=0.3))
+    # On 1.8 m by 2 m of floor and the stair there are over a thousand patches; stations see them unevenly.
+    assert abs(len(holed.points) / len(everything.points) - 0.7) < 0.05
+    left = {tuple(row) for row in holed.points.tolist()}
+    gone = np.array([tuple(row) not in left for row in everything.points.tolist()])
+    floor = everything.labels == 0
+    turn = math.radians(27.0)
+    askew = everything.points[floor, :2] @ np.array(
+        [[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]
+    )
+    patches = np.floor(askew / 0.05).astype(int)
+    _, patch_of = np.unique(patches, axis=0, return_inverse=True)
+    shares = np.bincount(patch_of, gone[floor]) / np.bincount(patch_of)
+    # Rounding can carry a point over the border of its patch.
+    assert ((shares < 0.2) | (shares > 0.8)).mean() > 0.99
+    assert scan(building, exact(hole_share=0.3)).points.tobytes() == holed.points.tobytes()
+
+
+SHAPES = {
+    "left": Stair(n_risers=8, landing_after=4, turn="left"),
+    "u_right": Stair(n_risers=9, landing_after=4, turn="u_right", well_m=0.2, landing_depth_m=1.3),
+    "winder": Stair(n_risers=8, shape="winder", winder_after=2, width_m=1.0),
+    "winder_right": Stair(n_risers=8, shape="winder", winder_after=2, turn="right", open_risers=True),
+    "spiral": Stair(n_risers=8, shape="spiral", going_m=0.24, width_m=0.9),
+    "spiral_right": Stair(n_risers=8, shape="spiral", going_m=0.24, width_m=0.9, turn="right", open_risers=True),
+    "twin": Stair(n_risers=4, twin_gap_m=0.25),
+    "missing": Stair(n_risers=6, open_risers=True, missing_treads="2,4"),
+    "defects": Stair(n_risers=6, skew_errors_m="3:0.03,4:-0.02", strip_proud_m=0.003, round_nosing_m=0.01),
+    "falls": Stair(n_risers=7, landing_after=3, turn="right", fall_errors_deg="3:2,5:3", cross_fall_errors_deg="6:2"),
+}
+
+
+def is_within(outline, points):
+    """Whether points (n, 2) lie inside a polygon: even-odd rule; and their distance to its edges, metres."""
+    inside, distance = np.zeros(len(points), dtype=bool), np.full(len(points), np.inf)
+    for (x0, y0), (x1, y1) in zip(outline, (*outline[1:], outline[0]), strict=True):
+        crosses = (y0 > points[:, 1]) != (y1 > points[:, 1])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inside ^= crosses & (points[:, 0] < x0 + (points[:, 1] - y0) * (x1 - x0) / (y1 - y0))
+        edge = np.array([x1 - x0, y1 - y0])
+        share = np.clip((points - [x0, y0]) @ edge / (edge @ edge), 0.0, 1.0)
+        distance = np.minimum(distance, np.linalg.norm(points - [x0, y0] - share[:, None] * edge, axis=1))
+    return inside, distance
+
+
+@pytest.mark.parametrize("name", sorted(SHAPES))
+def test_labelled_points_lie_on_their_steps(name):
+    stair = SHAPES[name]
+    simulated = scan(build(stair), exact(stations=6, azimuth_step_deg=1.0, elevation_step_deg=1.0))
+    assert set(simulated.labels) <= {-1, 0, *range(1, len(simulated.building.steps) + 1)}
+    for step in simulated.building.steps:
+        top = simulated.points[simulated.labels == step.step_id]
+        if step.is_missing:
+            assert len(top) == 0
+            continue
+        assert len(top) > 30
+        inside, distance = is_within(step.plan.outline, top[:, :2])
+        assert (inside | (distance < 1e-5)).all()
+        below = np.array([step.top(x, y) for x, y in top[:, :2].tolist()]) - top[:, 2]
+        ahead = (top[:, :2] - step.plan.middle) @ np.array(step.climb)
+        # A proud strip, 50 mm wide, carries the height; the tread behind lies lower. A skew moves it by 15 mm at most.
+        wanted = np.where(ahead < 0.05, 0.0, stair.strip_proud_m)
+        sure = np.abs(ahead - 0.05) > 0.016
+        # Rounding: half a unit, and the slope's.
+        assert np.abs(below - wanted)[sure].max() < 1.1e-5
+    floor = simulated.points[simulated.labels == 0]
+    assert len(floor) > 100
+    assert np.abs(floor[:, 2]).max() <= 0.51e-5
+
+
+@pytest.mark.parametrize("name", ["left", "winder", "spiral", "u_right"])
+def test_first_surface_is_seen_in_stairs_that_turn(name):
+    simulated = scan(build(SHAPES[name]), exact(stations=3, azimuth_step_deg=2.0, elevation_step_deg=2.0))
+    off = np.abs(ranges_of(simulated) - true_ranges_of(simulated))
+    assert (off < 1e-4).mean() > 0.995
+
+
+@pytest.mark.parametrize("name", ["left", "u_right", "winder_right", "spiral"])
+def test_stations_follow_the_way_up(name):
+    building = build(SHAPES[name])
+    simulated = scan(building, exact(stations=12, azimuth_step_deg=5.0, elevation_step_deg=5.0))
+    built = {0.0} | {round(step.height_m, 9) for step in building.steps}
+    heights = [round(station.position[2] - EXACT.sensor_height_m, 9) for station in simulated.stations]
+    assert heights == sorted(heights)
+    assert set(heights) <= built
+    assert heights[-1] == round(building.steps[-1].height_m, 9)
+    for station, height in zip(simulated.stations, heights, strict=True):
+        if height:
+            step = next(step for step in building.steps if round(step.height_m, 9) == height)
+            inside, distance = is_within(step.plan.outline, np.array([station.position[:2]]))
+            # Beside the middle by a tenth of the width, one may stand over the tread before or after.
+            assert inside[0] or distance[0] < 0.15
+            heading = np.array([math.cos(station.heading_rad), math.sin(station.heading_rad)])
+            # On a landing that turns one looks anywhere between the two flights.
+            assert heading @ np.array(step.climb) > (0.8 if step.kind == "tread" else -0.1)
+
+
+def test_a_camera_looks_along_the_way():
+    stair = Stair(n_risers=9, landing_after=4, turn="left", open_risers=True)
+    camera = exact(stations=8, azimuth_width_deg=60.0, elevation_high_deg=0.0)
+    simulated = scan(build(stair), camera)
+    for index, station in enumerate(simulated.stations):
+        seen = simulated.points[simulated.station_ids == index][:, :2] - np.array(station.position[:2])
+        azimuth = np.arctan2(seen[:, 1], seen[:, 0]) - station.heading_rad
+        azimuth = np.degrees((azimuth + math.pi) % (2.0 * math.pi) - math.pi)
+        far = np.linalg.norm(seen, axis=1) > 0.3
+        # The last one looks over the edge of the upper landing, past everything.
+        assert len(seen) > 100 or index == 7
+        assert (np.abs(azimuth[far]) < 30.01).all()
+
+
+def test_nobody_stands_where_a_tread_is_missing():
+    simulated = scan(build(SHAPES["missing"]), exact(stations=9))
+    heights = {round(station.position[2] - EXACT.sensor_height_m, 9) for station in simulated.stations}
+    assert not heights & {round(2 * 0.17, 9), round(4 * 0.17, 9)}
 
 
 def test_a_scan_of_nothing_is_empty_not_an_error():

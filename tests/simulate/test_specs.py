@@ -1,6 +1,7 @@
 """Settings of the simulator: what is refused, and with which sentence."""
 
 import dataclasses
+import math
 import subprocess
 import sys
 
@@ -9,7 +10,7 @@ import pytest
 from stair_inspector.errors import ConfigError
 from stair_inspector.params import fields_of
 from stair_inspector.simulate.samples import DEFAULT_SAMPLE, SAMPLES
-from stair_inspector.simulate.specs import PROFILES, Scanner, Stair, parse_errors, parse_offset
+from stair_inspector.simulate.specs import PROFILES, Scanner, Stair, parse_errors, parse_offset, parse_steps
 
 
 @pytest.mark.parametrize(
@@ -47,6 +48,63 @@ from stair_inspector.simulate.specs import PROFILES, Scanner, Stair, parse_error
             {"rise_errors_m": "3:-0.15"},
             "stair.rise_errors_m: step 3 would have a rise of 0.02 m; give an error that leaves at least 0.06 m",
         ),
+        (
+            {"missing_treads": "3"},
+            "stair.missing_treads: a tread can be missing only where open_risers is on",
+        ),
+        (
+            {"missing_treads": "3;4", "open_risers": True},
+            "stair.missing_treads: got '3;4'; give steps such as 5,6",
+        ),
+        (
+            {"missing_treads": "10", "open_risers": True},
+            "stair.missing_treads: got step 10; this stair has steps 1 to 9 to which it applies",
+        ),
+        (
+            {"missing_treads": "4", "open_risers": True, "landing_after": 4},
+            "stair.missing_treads: step 4 is a landing; give treads",
+        ),
+        (
+            {"skew_errors_m": "4:0.1"},
+            "stair.skew_errors_m: got 0.1 for step 4; give a value from -0.05 to 0.05",
+        ),
+        ({"strip_proud_m": 0.02}, "stair.strip_proud_m: got 0.02; give a value from 0 to 0.01"),
+        (
+            {"turn": "left"},
+            "stair.turn: got 'left' without a landing; give landing_after, or shape winder",
+        ),
+        (
+            {"turn": "u_left", "shape": "spiral"},
+            "stair.turn: got 'u_left' with shape spiral; give left or right",
+        ),
+        (
+            {"shape": "winder", "n_risers": 6},
+            "stair.winder_after: got 3 with 6 risers; give at most 2, and at least 4 risers",
+        ),
+        (
+            {"shape": "spiral", "width_m": 0.3, "going_m": 0.28},
+            "stair.going_m: got 0.28; a spiral of this width has room for 0.25 m at most",
+        ),
+        (
+            {"shape": "spiral", "landing_after": 4},
+            "stair.landing_after: got 4; not possible with shape spiral",
+        ),
+        (
+            {"shape": "winder", "dish_errors_m": "1:0.005"},
+            "stair.dish_errors_m: got '1:0.005'; not possible with shape winder",
+        ),
+        (
+            {"turn": "left", "landing_after": 4, "wall": "left"},
+            "stair.wall: got 'left'; not possible with turn left",
+        ),
+        (
+            {"turn": "u_left", "landing_after": 4, "twin_gap_m": 0.2},
+            "stair.twin_gap_m: got 0.2; not possible with turn u_left",
+        ),
+        (
+            {"turn": "right", "landing_after": 4, "going_errors_m": "4:0.1"},
+            "stair.going_errors_m: step 4 is a landing that turns; give a tread",
+        ),
         ({"offset_m": "1,2"}, "stair.offset_m: got '1,2'; give three numbers such as 691000,5335000,520"),
         ({"offset_m": "1,2,inf"}, "stair.offset_m: got '1,2,inf'; give three numbers such as 691000,5335000,520"),
     ],
@@ -78,6 +136,8 @@ def test_bad_scanner_is_refused_with_one_sentence(settings, message):
 def test_errors_of_steps_are_read():
     assert parse_errors("x", "5:+0.015, 6:-0.015", 10, 0.3) == {5: 0.015, 6: -0.015}
     assert parse_errors("x", "  ", 10, 0.3) == {}
+    assert parse_steps("x", "6, 5,6", 9) == (5, 6)
+    assert parse_steps("x", "", 9) == ()
     assert parse_offset("1, -2.5,3e2") == (1.0, -2.5, 300.0)
 
 
@@ -96,6 +156,10 @@ def test_profiles_are_what_the_figures_say():
     assert PROFILES["robot_lidar"].sensor_height_m == 0.4
     assert PROFILES["depth_camera"].azimuth_width_deg < 120.0
     assert PROFILES["phone"].scale_percent == 0.5
+    assert PROFILES["phone"].smooth_m == 0.015
+    camera = PROFILES["depth_camera"]
+    assert math.hypot(camera.noise_m, camera.range_noise_m * 1.5**2) == pytest.approx(0.006, abs=0.0002)
+    assert camera.hole_share > 0.0
     assert len({dataclasses.astuple(profile) for profile in PROFILES.values()}) == 6
 
 

@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 
+from stair_inspector.simulate.layout import lay_out
 from stair_inspector.simulate.specs import SLAB_M, Stair
-from stair_inspector.simulate.staircase import build, lay_out, output_from_stair
+from stair_inspector.simulate.staircase import build, output_from_stair
 
 
 def vertices_of(building, part, level=None):
@@ -141,3 +142,103 @@ def test_every_triangle_has_area_and_a_surface(open_risers):
     building = build(dataclasses.replace(everything, open_risers=open_risers, overhang_m=0.0))
     assert building.surface_of.max() == len(building.surfaces) - 1
     assert np.asarray(building.mesh.area_faces).min() > 1e-6
+
+
+TURNING = [
+    Stair(n_risers=8, landing_after=4, turn="left", skew_errors_m="5:0.02"),
+    Stair(n_risers=8, landing_after=3, turn="u_right", open_risers=True),
+    Stair(n_risers=8, landing_after=3, turn="u_left", well_m=0.0, overhang_m=0.0, clutter=True, ceiling=True),
+    Stair(n_risers=8, shape="winder", winder_after=0, turn="right"),
+    Stair(n_risers=8, shape="winder", open_risers=True, round_nosing_m=0.02, strip_proud_m=0.003),
+    Stair(n_risers=18, shape="spiral", overhang_m=0.05, strip_proud_m=0.002, clutter=True, ceiling=True),
+    Stair(n_risers=5, shape="spiral", turn="right", open_risers=True, missing_treads="2", round_nosing_m=0.03),
+    Stair(n_risers=5, twin_gap_m=0.3, dish_errors_m="2:0.005", strip_proud_m=0.003, skew_errors_m="3:0.04"),
+    Stair(n_risers=5, dish_errors_m="2:0.005", round_nosing_m=0.01, wall="both", floor_all_round=True),
+    Stair(n_risers=4, open_risers=True, missing_treads="1,2,3", clutter=True),
+]
+
+
+def outline_area(outline):
+    x, y = np.array(outline).T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2.0
+
+
+@pytest.mark.parametrize("stair", TURNING)
+def test_tops_cover_the_outlines_of_the_steps(stair):
+    building = build(stair)
+    assert np.asarray(building.mesh.area_faces).min() > 1e-9
+    vertices, faces = np.asarray(building.mesh.vertices), np.asarray(building.mesh.faces)
+    labels = np.array([surface.label for surface in building.surfaces])[building.surface_of]
+    for step in building.steps:
+        tops = vertices[faces[labels == step.step_id]][:, :, :2]
+        sides = tops[:, 1:] - tops[:, :1]
+        area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]).sum() / 2.0
+        # A rounded edge is not part of the flat top.
+        edge = math.dist(*step.plan.front) * stair.round_nosing_m
+        wanted = 0.0 if step.is_missing else outline_area(step.plan.outline) - edge
+        assert area == pytest.approx(wanted, rel=0.003 if stair.round_nosing_m else 1e-9)
+
+
+def test_a_proud_strip_carries_the_height():
+    building = build(Stair(n_risers=3, strip_proud_m=0.003))
+    for step in building.steps:
+        top = top_of(building, step)
+        front = step.nosing[0][0]
+        on_strip = top[:, 0] < front + 0.05 - 1e-9
+        assert top[on_strip, 2] == pytest.approx(step.height_m, abs=1e-12)
+        assert top[top[:, 0] > front + 0.05 + 1e-9, 2] == pytest.approx(step.height_m - 0.003, abs=1e-12)
+        at_the_edge = top[np.abs(top[:, 0] - front - 0.05) < 1e-9, 2]
+        assert set(np.round(step.height_m - at_the_edge, 9)) == {0.0, 0.003}
+    assert [step.rise_m for step in building.steps] == [0.17] * 3
+    # A riser stands on the tread, not on a strip.
+    riser = vertices_of(building, "riser", 2)
+    assert riser[:, 2].min() == pytest.approx(0.17 - 0.003, abs=1e-12)
+
+
+def test_a_round_nosing_is_a_quarter_of_a_circle():
+    building = build(Stair(n_risers=3, round_nosing_m=0.015))
+    for step in building.steps:
+        front, height = step.nosing[0][0], step.height_m
+        edge = vertices_of(building, "nosing", step.step_id)
+        arc = edge[edge[:, 2] > height - 0.015 + 1e-9]
+        radius = np.hypot(arc[:, 0] - front - 0.015, arc[:, 2] - height + 0.015)
+        assert radius == pytest.approx(0.015, abs=1e-12)
+        # Six facets, seven corners; the lowest ends the upright.
+        assert len(np.unique(np.round(arc[:, 0], 9))) == 6
+        assert edge[:, 0].min() == pytest.approx(front, abs=1e-12)
+        assert top_of(building, step)[:, 0].min() == pytest.approx(front + 0.015, abs=1e-12)
+        assert step.height_m == pytest.approx(0.17 * step.step_id, abs=1e-12)
+
+
+def test_floor_lies_all_round_where_asked_for_or_needed():
+    plain = vertices_of(build(Stair(n_risers=5, floor_width_m=3.0)), "floor")
+    assert (plain[:, 0].max(), plain[:, 1].min(), plain[:, 1].max()) == (0.0, -1.5, 1.5)
+    around = vertices_of(build(Stair(n_risers=5, floor_width_m=3.0, floor_all_round=True)), "floor")
+    end = 4 * 0.28 - 0.025 + 1.2
+    assert around[:, 0].max() == pytest.approx(end + 0.9, abs=1e-12)
+    assert (around[:, 1].min(), around[:, 1].max()) == (-1.5, 1.5)
+    for stair in TURNING[:7]:
+        floor = vertices_of(build(stair), "floor")
+        outlines = np.array([corner for step in lay_out(stair) for corner in step.plan.outline])
+        beside = (stair.floor_width_m - stair.width_m) / 2.0
+        assert (floor[:, :2].min(axis=0) <= outlines.min(axis=0) - beside + 1e-9).all()
+        assert (floor[:, :2].max(axis=0) >= outlines.max(axis=0) + beside - 1e-9).all()
+
+
+def test_a_skew_riser_stands_under_its_nosing():
+    building = build(Stair(n_risers=4, skew_errors_m="1:0.02,3:0.03", width_m=1.0))
+    for step in building.steps:
+        riser = vertices_of(building, "riser", step.step_id)
+        for y, (x, _, _) in zip((0.5, -0.5), step.nosing, strict=True):
+            assert riser[np.isclose(riser[:, 1], y), 0] == pytest.approx(x + 0.025, abs=1e-12)
+    # No gap between the floor and the first riser.
+    assert vertices_of(building, "floor")[:, 0].max() == pytest.approx(0.01, abs=1e-12)
+
+
+def test_a_post_stands_where_wedges_meet():
+    spiral = build(Stair(n_risers=6, shape="spiral", spiral_radius_m=0.1, width_m=0.9))
+    post = vertices_of(spiral, "post")
+    assert post[:, :2].mean(axis=0) == pytest.approx((0.0, 0.55), abs=1e-9)
+    assert (post[:, 2].min(), post[:, 2].max()) == pytest.approx((0.0, 6 * 0.17 + 0.9), abs=1e-9)
+    winder = vertices_of(build(Stair(n_risers=8, shape="winder", turn="right", width_m=1.0)), "post")
+    assert winder[:, :2].mean(axis=0) == pytest.approx((3 * 0.28, -0.5), abs=1e-9)
