@@ -23,9 +23,12 @@ from stair_inspector.params import NAMED_UP, Params
 from stair_inspector.simulate.specs import Scanner, Stair
 
 if TYPE_CHECKING:
-    from stair_inspector.model import Inspection
+    from stair_inspector.model import Inspection, Measured
 
 T = TypeVar("T")
+
+_SIGNED_FLAGS = ("--up", "--overrules.climb", "--overrules.region")
+"""Flags whose value may begin with a minus sign."""
 
 _USAGE = """\
 usage: stair-inspector [COMMAND] [OPTIONS]
@@ -272,14 +275,24 @@ def _parse(kind: type[T], command: str, args: list[str], default: T) -> T:
             return tyro.cli(
                 kind,
                 prog=f"stair-inspector {command}",
-                args=_join_negative_up(args),
+                args=_join_negative_directions(args),
                 default=default,
                 config=(tyro.conf.OmitSubcommandPrefixes,),
             )
     except SystemExit as leaving:
         if leaving.code in (0, None):
             raise
-        raise ConfigError(f"{command}: {_flatten(boxed.getvalue())}") from leaving
+        refused = _refused_setting(leaving)
+        text = _flatten(boxed.getvalue()) if refused is None else f"{refused}; see --help"
+        raise ConfigError(f"{command}: {text}") from leaving
+
+
+def _refused_setting(leaving: SystemExit) -> ConfigError | None:
+    """Return the error with which a setting refused its value: tyro's frame would break its long words."""
+    cause: BaseException | None = leaving
+    while cause is not None and not isinstance(cause, ConfigError):
+        cause = cause.__cause__ or cause.__context__
+    return cause
 
 
 def _flatten(boxed: str) -> str:
@@ -309,13 +322,13 @@ def _flatten(boxed: str) -> str:
     return text if text.endswith("?") else text.rstrip(".") + "; see --help"
 
 
-def _join_negative_up(args: list[str]) -> list[str]:
+def _join_negative_directions(args: list[str]) -> list[str]:
     """Write ``--up -x`` as ``--up=-x``: a word that begins with a dash would be taken for a flag."""
     joined: list[str] = []
     for word in args:
         is_negative = word in NAMED_UP or re.fullmatch(r"-[\d.][\d.,eE+-]*", word) is not None
-        if joined and joined[-1] == "--up" and word.startswith("-") and is_negative:
-            joined[-1] = f"--up={word}"
+        if joined and joined[-1] in _SIGNED_FLAGS and word.startswith("-") and is_negative:
+            joined[-1] = f"{joined[-1]}={word}"
         else:
             joined.append(word)
     return joined
@@ -393,13 +406,45 @@ def _report(error: StairError) -> int:
 
 
 def _summary(inspection: "Inspection") -> str:
-    """Return the table that ``measure`` prints for one scan: the paper's values, millimetres and degrees."""
+    """Return the table that ``measure`` prints for one scan, millimetres and degrees: the survey's or the paper's."""
     scan = inspection.scan
     steps = f"{len(inspection.steps)} step{'' if len(inspection.steps) == 1 else 's'}"
     lines = [f"{scan.name}: {scan.n_used:,} of {scan.n_points:,} points, {steps}"]
-    columns = ("step", "points", "h_mm", "d_FB_mm", "d_FF_mm", "W_mm", "theta_deg", "RMS_mm")
     if inspection.steps:
-        lines.append("  " + "".join(f"{name:>11}" for name in columns))
+        lines += _survey_rows(inspection) if inspection.flights else _paper_rows(inspection)
+    lines += [f"  {note.message}" for note in inspection.notes]
+    return "\n".join(lines)
+
+
+def _survey_rows(inspection: "Inspection") -> list[str]:
+    """Return the survey's values, each with its expanded uncertainty (k = 2), flight by flight."""
+    names = ("rise_mm", "going_mm", "depth_mm", "width_mm", "pitch_deg")
+    lines = ["  " + f"{'step':>13}" + "".join(f"{name:>18}" for name in names) + f"{'coverage':>10}"]
+    for flight in inspection.flights:
+        risers = f"{flight.n_risers} riser{'' if flight.n_risers == 1 else 's'}"
+        lines.append(f"  flight {flight.flight_id}: {flight.shape}, {risers}")
+        for step in inspection.steps:
+            if step.flight != flight.flight_id:
+                continue
+            lengths = (step.rise_m, step.going_m, step.tread_depth_m, step.width_m)
+            cells = [_with_u(value, 1000.0, 1) for value in lengths] + [_with_u(step.pitch_deg, 1.0, 2)]
+            coverage = "-" if step.coverage is None else f"{100.0 * step.coverage:.0f} %"
+            kind = "" if step.kind == "tread" else f"{step.kind} "
+            lines.append(
+                "  " + f"{kind}{step.step_id}".rjust(13) + "".join(f"{cell:>18}" for cell in cells) + f"{coverage:>10}"
+            )
+    return lines
+
+
+def _with_u(measured: "Measured | None", scale: float, digits: int) -> str:
+    if measured is None:
+        return "-"
+    return f"{scale * measured.value:.{digits}f} ± {scale * measured.u:.{digits}f}"
+
+
+def _paper_rows(inspection: "Inspection") -> list[str]:
+    columns = ("step", "points", "h_mm", "d_FB_mm", "d_FF_mm", "W_mm", "theta_deg", "RMS_mm")
+    lines = ["  " + "".join(f"{name:>11}" for name in columns)]
     for step in inspection.steps:
         values = dataclasses.astuple(step.paper)[:5]
         lengths = [None if v is None else v * 1000.0 for v in values[:4]]
@@ -408,5 +453,4 @@ def _summary(inspection: "Inspection") -> str:
         cells += [f"{'-':>11}" if v is None else f"{v:>11.1f}" for v in (*lengths, values[4])]
         cells.append(f"{'-':>11}" if rms_mm is None else f"{rms_mm:>11.2f}")
         lines.append("  " + "".join(cells))
-    lines += [f"  {note.message}" for note in inspection.notes]
-    return "\n".join(lines)
+    return lines

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels, own
+from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.params import Params
 
@@ -77,7 +78,7 @@ class Up:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeightOrder:
-    """All points of a scan, sorted by height.
+    """The points of a scan that lie in the region of interest, sorted by height; ``n_scan`` counts all of the scan.
 
     ``point_ids`` (n,) into the scan; ``alignment`` (n,) |normal . up|; ``coordinates_m`` (3, n) local coordinates
     along the rows of ``level_from_scan`` (3, 3), a rotation whose third row is up: two plan coordinates and the
@@ -89,6 +90,7 @@ class HeightOrder:
     coordinates_m: Floats
     level_from_scan: Floats
     up: Up
+    n_scan: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,6 +125,132 @@ class Surfaces:
 
     planes: tuple[PlaneFit, ...]
     plan_scatter: tuple[Floats, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """A patch before it has a name: ``rows`` of :class:`Horizontal`, in the level frame.
+
+    ``cells_m`` (2, c) mean plan coordinates of the points in each plan cell; ``centre_m`` (3,) and ``slope`` (2,) its
+    robust plane, dz/dx and dz/dy; ``sigma_m`` the scatter of the cells' means about it; ``plane`` (step 8 of the paper
+    for these points) in local scan axes.
+    """
+
+    level_id: int
+    rows: Ints
+    cells_m: Floats
+    area_m2: float
+    height_m: float
+    centre_m: Floats
+    slope: Floats
+    sigma_m: float
+    plane: PlaneFit
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Patches:
+    """All surfaces of a scan, by height cluster and height, and the side of the plan cells they were found with."""
+
+    surfaces: tuple[Surface, ...]
+    cell_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """Surfaces that follow each other as one flight, by their numbers, bottom to top; level frame.
+
+    ``base`` is the floor or landing it begins at, None where none was seen. For each of the ``steps``:
+    ``climbs`` (s, 2) the direction of climb over its front edge, ``middles`` (s, 2) and ``lengths_m`` that edge as the
+    patches show it, ``n_missing`` how many treads are missing below it.
+    """
+
+    base: int | None
+    steps: tuple[int, ...]
+    climbs: Floats
+    middles: Floats
+    lengths_m: tuple[float, ...]
+    n_missing: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chains:
+    """All flights of a scan, from bottom to top, and notes on what else would have been possible.
+
+    ``longest_risers`` counts the risers of the longest run of surfaces, whether or not it is a flight.
+    """
+
+    chains: tuple[Chain, ...]
+    notes: tuple[Note, ...] = ()
+    longest_risers: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LocalPlane:
+    """Height over a step's frame, ``z0_m + slope[0] * s + slope[1] * w``, with the covariance of the three numbers.
+
+    ``covariance`` (3, 3) comes from the scatter of the means of blocks, so that noise which is the same over a whole
+    block counts as it must; ``sigma_m`` is the noise of single points, ``spacing_m`` their distance, ``misfit_m`` how
+    far the surface itself departs from the plane, beyond what noise explains.
+    """
+
+    z0_m: float
+    slope: tuple[float, float]
+    covariance: Floats
+    sigma_m: float
+    spacing_m: float
+    misfit_m: float
+    n_points: int
+
+    def at(self, s_m: float, w_m: float) -> float:
+        """Return the height at a place of the step's frame, metres."""
+        return self.z0_m + self.slope[0] * s_m + self.slope[1] * w_m
+
+    def noise_at(self, s_m: float, w_m: float) -> float:
+        """Return the standard uncertainty of :meth:`at`, metres."""
+        place = np.array([1.0, s_m, w_m])
+        return float(np.sqrt(max(0.0, place @ self.covariance @ place)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepShape:
+    """The plane and the edges of one step in its own frame, metres.
+
+    The frame lies level at ``origin_m`` (2,) of the plan; ``s`` runs along ``climb`` (2,), ``w`` to its left. ``front``
+    and ``back`` give s as a function of w, ``left`` and ``right`` w as a function of s. ``extent`` is (s_low, s_high,
+    w_low, w_high) of what was seen of the surface. ``foot`` is the floor or landing in front of the lowest step.
+    ``back_limits`` are the bounds of a back edge that is hidden. ``line_range`` is the range (w_right, w_left) at the
+    nosing over which the measuring lines are laid: the step's own sides, or those of its flight where the step is a
+    wide landing or a side of it is hidden. ``nosing_offsets`` and ``nosing_noise`` are the height of the surface at the
+    nosing above its plane, and its standard uncertainty, on the left, centre and right line: a nosing strip stands
+    proud, a worn tread is deepest in its middle.
+    """
+
+    surface: int
+    origin_m: Floats
+    climb: Floats
+    plane: LocalPlane
+    extent: tuple[float, float, float, float]
+    front: EdgeLine
+    back: EdgeLine | None
+    left: EdgeLine
+    right: EdgeLine
+    foot: LocalPlane | None
+    back_limits: tuple[float, float] | None
+    coverage: float
+    line_range: tuple[float, float]
+    nosing_offsets: tuple[float, float, float]
+    nosing_noise: tuple[float, float, float]
+
+    def to_plan(self, s_m: float, w_m: float) -> Floats:
+        """Return a place of this frame in plan coordinates of the level frame, (2,)."""
+        left = np.array([-self.climb[1], self.climb[0]])
+        plan: Floats = self.origin_m + s_m * self.climb + w_m * left
+        return plan
+
+    def from_plan(self, plan: Floats) -> tuple[float, float]:
+        """Return a place of the plan in this frame: s and w."""
+        shift = plan - self.origin_m
+        return float(shift @ self.climb), float(shift[1] * self.climb[0] - shift[0] * self.climb[1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,23 +293,31 @@ class NearestPoints:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """A value with its expanded uncertainty ``u`` (k = 2), both in the unit that the field's name ends in."""
+    """A value with its expanded uncertainty ``u`` (k = 2), both in the unit that the field's name ends in.
+
+    ``parts`` names what the uncertainty is made of, each expanded (k = 2) as well; ``u`` is the root of the sum of
+    their squares.
+    """
 
     value: float
     u: float
+    parts: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class PaperValues:
-    """The paper's quantities of one step; None where the definition needs a step above and there is none."""
+    """The paper's quantities of one step; None where the definition needs a step above and there is none.
 
-    h_m: float | None
-    d_fb_m: float
-    d_ff_m: float | None
-    w_m: float
-    theta_deg: float | None
-    f_m: float
-    b_m: float
+    All are None for a step of the survey that lies in the lowest height cluster, which is the floor to the paper.
+    """
+
+    h_m: float | None = None
+    d_fb_m: float | None = None
+    d_ff_m: float | None = None
+    w_m: float | None = None
+    theta_deg: float | None = None
+    f_m: float | None = None
+    b_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,8 +325,13 @@ class Step:
     """One step: its plane, the paper's values, and what is drawn of it.
 
     ``corners`` (4, 3): front left, front right, back right, back left, left and right as seen when climbing;
-    ``nearest_ids`` the K points nearest to the centroid. Local coordinates. The fields from ``rise_m`` on belong to
-    the survey measurement and are None where it has not been made.
+    ``nearest_ids`` the K points nearest to the centroid. Local coordinates. ``paper`` are the paper's values of the
+    height cluster in which the step lies. The fields from ``kind`` on belong to the survey measurement and keep their
+    defaults where it has not been made.
+
+    ``nosing`` (2, 3) is the left and the right end of the nosing line, ``line_points`` (3, 3) the points of the nosing
+    on the left, centre and right measuring line, ``climb`` (3,) the horizontal unit vector square to the nosing,
+    towards the next step; local coordinates. ``rise_lcr_m`` and ``going_lcr_m`` are rise and going on the three lines.
     """
 
     step_id: int
@@ -209,6 +350,65 @@ class Step:
     fall_deg: Measured | None = None
     cross_fall_deg: Measured | None = None
     coverage: float | None = None
+    rise_lcr_m: tuple[float | None, ...] | None = None
+    going_lcr_m: tuple[float | None, ...] | None = None
+    nosing: Floats | None = None
+    line_points: Floats | None = None
+    climb: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Patch:
+    """One surface: the upright points of a height cluster that hang together in plan, and what it was taken for.
+
+    ``level_id`` is the height cluster; ``height_m`` the mean height in the scan frame; ``area_m2`` that of the plan
+    cells it occupies; ``plane`` in local coordinates. ``step_id`` names the step it became, ``reason`` says why it is
+    none.
+    """
+
+    patch_id: int
+    level_id: int
+    height_m: float
+    area_m2: float
+    plane: PlaneFit
+    kind: Literal["floor", "tread", "landing", "rejected"]
+    step_id: int | None = None
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """Statistics of a quantity over a flight, metres.
+
+    ``max_adjacent`` is the largest difference between neighbours, ``at`` the two steps; None with a single value.
+    """
+
+    n: int
+    mean: float
+    min: float
+    max: float
+    range: float
+    max_adjacent: float | None
+    at: tuple[int, int] | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Flight:
+    """A run of steps between two landings.
+
+    ``step_ids`` from bottom to top, the landing at its upper end included; ``n_risers`` counts the risers that were
+    measured and those of missing treads. ``climb`` (3,) is the horizontal direction of climb at its foot, scan axes.
+    """
+
+    flight_id: int
+    step_ids: tuple[int, ...]
+    n_risers: int
+    shape: Literal["straight", "winder", "spiral"]
+    climb: Floats
+    pitch_deg: Measured | None = None
+    width_m: Measured | None = None
+    rise: Statistics | None = None
+    going: Statistics | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,8 +453,10 @@ class ScanSummary:
 class Inspection:
     """The result, with the settings that made it.
 
-    ``labels`` (n_used,): 0 floor, k step k, -1 no level. ``floor`` is the floor's plane (local), ``floor_h_m`` the
-    paper's h from the floor to the first step. ``axes`` is None where there is no step.
+    ``labels`` (n_used,): 0 floor, k step k, -1 neither. ``floor`` is the floor's plane (local), ``floor_h_m`` the
+    paper's h from the floor to the first step. ``axes`` are those of the paper's values, None where there is no step.
+    ``flights``, ``patches`` and ``patch_ids`` (n_used,), the patch of every point or -1, are the survey's and empty
+    with the paper's method.
     """
 
     scan: ScanSummary
@@ -269,3 +471,6 @@ class Inspection:
     labels: Labels
     notes: tuple[Note, ...] = ()
     timings_s: dict[str, float] = field(default_factory=dict)
+    flights: tuple[Flight, ...] = ()
+    patches: tuple[Patch, ...] = ()
+    patch_ids: Ints | None = None

@@ -17,6 +17,8 @@ Method = Literal["survey", "paper"]
 AxesRule = Literal["auto", "global", "per_step"]
 Unit = Literal["auto", "m", "cm", "mm", "in", "ft"]
 NormalsSource = Literal["estimate", "given"]
+EdgeSource = Literal["auto", "tread", "face"]
+Verdict = Literal["tread", "landing", "rejected"]
 
 METRES_PER_UNIT: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 """Exact length of each unit, metres (international inch and foot)."""
@@ -156,6 +158,139 @@ class EdgesParams(Group):
 
 
 @dataclass(frozen=True)
+class PatchesParams(Group):
+    """Surfaces of equal height that lie apart in plan (survey)."""
+
+    cell_m: Annotated[
+        float,
+        Knob(0.005, 0.1, 0.001, "plan cell", display_unit="mm", per_display=1000.0),
+        Doc("Plan cell for telling surfaces of equal height apart, metres (0.005 to 0.1); larger for a coarse scan."),
+    ] = 0.02
+    min_area_m2: Annotated[
+        float,
+        Knob(0.0, 1.0, 0.005, "smallest surface", display_unit="m²"),
+        Doc("Smallest surface that can be a tread, square metres (0 to 1)."),
+    ] = 0.03
+
+
+@dataclass(frozen=True)
+class FlightsParams(Group):
+    """How surfaces chain into flights (survey)."""
+
+    min_rise_m: Annotated[
+        float,
+        Knob(0.03, 0.2, 0.005, "smallest rise", display_unit="mm", per_display=1000.0),
+        Doc("Smallest rise between two steps, metres (0.03 to 0.2)."),
+    ] = 0.06
+    max_rise_m: Annotated[
+        float,
+        Knob(0.2, 0.6, 0.005, "largest rise", display_unit="mm", per_display=1000.0),
+        Doc("Largest rise between two steps, metres (0.2 to 0.6)."),
+    ] = 0.3
+    max_gap_m: Annotated[
+        float,
+        Knob(0.02, 0.5, 0.01, "largest gap", display_unit="mm", per_display=1000.0),
+        Doc(
+            "Largest gap in plan between two steps that follow each other, metres (0.02 to 0.5), as a shadow leaves it."
+        ),
+    ] = 0.15
+    turn_deg: Annotated[
+        float,
+        Knob(5.0, 60.0, 1.0, "largest turn", display_unit="°"),
+        Doc("Largest turn of the direction of climb from one step to the next, degrees (5 to 60)."),
+    ] = 45.0
+    min_risers: Annotated[
+        int,
+        Knob(1, 10, 1, "fewest risers"),
+        Doc("Fewest risers that make a flight (1 to 10); one alone is a kerb."),
+    ] = 2
+
+
+@dataclass(frozen=True)
+class SurveyParams(Group):
+    """Where the survey takes its edges and lines."""
+
+    edge_source: Annotated[
+        EdgeSource,
+        Doc(
+            "Evidence for an edge: the upright face below or above it ('face'), the extent of the tread ('tread'), or "
+            "'auto': the face where it is seen, else the tread."
+        ),
+    ] = "auto"
+    line_percent: Annotated[
+        float,
+        Knob(2.0, 45.0, 1.0, "outer lines", display_unit="%"),
+        Doc("Distance of the left and right measuring line from the side edges, percent of the width (2 to 45)."),
+    ] = 15.0
+    band_m: Annotated[
+        float,
+        Knob(0.0, 0.1, 0.001, "tread tolerance", display_unit="mm", per_display=1000.0),
+        Doc("Distance from a tread's plane within which points belong to it, metres (0 to 0.1); 0 takes 3 sigma."),
+    ] = 0.0
+
+    @property
+    def of_edges(self) -> "SurveyParams":
+        """What of these settings places the edges: a change of the rest leaves them where they are."""
+        return dataclasses.replace(self, line_percent=SurveyParams.line_percent)
+
+
+@dataclass(frozen=True)
+class UncertaintyParams(Group):
+    """What the user states about the scan, as standard uncertainties (k = 1); it enters every u (survey)."""
+
+    registration_m: Annotated[
+        float,
+        Knob(0.0, 0.05, 0.0001, "registration", display_unit="mm", per_display=1000.0),
+        Doc("Standard uncertainty that registration and drift add between two neighbouring steps, metres (0 to 0.05)."),
+    ] = 0.0
+    edge_m: Annotated[
+        float,
+        Knob(0.0, 0.05, 0.0005, "edges", display_unit="mm", per_display=1000.0),
+        Doc("Standard uncertainty of an edge that the scanner rounds or smooths away, metres (0 to 0.05)."),
+    ] = 0.0
+    up_deg: Annotated[
+        float,
+        Knob(0.0, 5.0, 0.01, "up", display_unit="°"),
+        Doc("Standard uncertainty of the up direction beyond what the scan shows, degrees (0 to 5)."),
+    ] = 0.0
+    scale_percent: Annotated[
+        float,
+        Knob(0.0, 5.0, 0.05, "scale", display_unit="%"),
+        Doc("Standard uncertainty of the scan's scale, percent (0 to 5)."),
+    ] = 0.0
+
+
+@dataclass(frozen=True)
+class OverrulesParams(Group):
+    """What the inspector decides instead of the program (survey)."""
+
+    force: Annotated[
+        str,
+        Doc(
+            "Surfaces whose kind is decided, as 'level:3=rejected; patch:12=tread; at:0.5,1.2,0.34=landing'; 'at' "
+            "takes the surface nearest to a point of the scan's frame, metres."
+        ),
+    ] = ""
+    climb: Annotated[
+        str,
+        Doc(
+            "Direction of climb in the scan's frame: auto, x, y, z, -x, -y, -z, or three numbers; flights that climb "
+            "otherwise, by more than 45 degrees, are not taken."
+        ),
+    ] = "auto"
+    region: Annotated[
+        str,
+        Doc("Box to measure in, 'xmin,ymin,zmin,xmax,ymax,zmax' in the scan's frame, metres; empty for everything."),
+    ] = ""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        parse_force(self.force)
+        parse_up(self.climb, "overrules.climb")
+        parse_region(self.region)
+
+
+@dataclass(frozen=True)
 class DisplayParams(Group):
     """What is kept to be looked at."""
 
@@ -185,6 +320,11 @@ class Params:
     levels: LevelsParams = field(default_factory=LevelsParams)
     axes: AxesParams = field(default_factory=AxesParams)
     edges: EdgesParams = field(default_factory=EdgesParams)
+    patches: PatchesParams = field(default_factory=PatchesParams)
+    flights: FlightsParams = field(default_factory=FlightsParams)
+    survey: SurveyParams = field(default_factory=SurveyParams)
+    uncertainty: UncertaintyParams = field(default_factory=UncertaintyParams)
+    overrules: OverrulesParams = field(default_factory=OverrulesParams)
     display: DisplayParams = field(default_factory=DisplayParams)
 
     def __post_init__(self) -> None:
@@ -234,8 +374,8 @@ def help_of(name: str) -> str:
     return next(extra.documentation for extra in get_args(annotation)[1:] if isinstance(extra, Doc))
 
 
-def parse_up(text: str) -> tuple[float, float, float] | None:
-    """Return the unit vector that ``text`` names, or None for ``auto``.
+def parse_up(text: str, name: str = "up") -> tuple[float, float, float] | None:
+    """Return the unit vector that ``text`` names, or None for ``auto``; ``name`` is the setting, for the message.
 
     Raises
     ------
@@ -258,8 +398,79 @@ def parse_up(text: str) -> tuple[float, float, float] | None:
     length = math.hypot(*parts) if parts else 0.0
     # The length of the tiniest numbers is rounded too coarsely to divide by.
     if len(parts) != 3 or not 1e-100 < length < math.inf:
-        raise ConfigError(f'up: got {text!r}; give auto, x, y, z, -x, -y, -z, or three numbers such as "0.1,0,1"')
+        raise ConfigError(f'{name}: got {text!r}; give auto, x, y, z, -x, -y, -z, or three numbers such as "0.1,0,1"')
     return (parts[0] / length, parts[1] / length, parts[2] / length)
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """What the inspector decided about a level or patch by number, or about the patch at a point (scan frame, m)."""
+
+    target: Literal["level", "patch", "at"]
+    number: int
+    point_m: tuple[float, float, float]
+    kind: Verdict
+
+
+def parse_force(text: str) -> tuple[Force, ...]:
+    """Return the decisions that ``overrules.force`` holds, in order.
+
+    Raises
+    ------
+    ConfigError
+        Not of the form ``level:3=rejected; patch:12=tread; at:0.5,1.2,0.34=landing``.
+
+    Examples
+    --------
+    >>> [(force.target, force.number, force.kind) for force in parse_force("level:3=rejected; patch:12=tread")]
+    [('level', 3, 'rejected'), ('patch', 12, 'tread')]
+    """
+    forces = []
+    for entry in text.split(";") if text.strip() else ():
+        where, _, kind = (part.strip() for part in entry.partition("="))
+        target, _, value = (part.strip() for part in where.partition(":"))
+        try:
+            numbers = [float(number) for number in value.split(",")] if target == "at" else [float(int(value))]
+        except ValueError:
+            numbers = []
+        is_place = len(numbers) == (3 if target == "at" else 1) and all(abs(number) < 1e9 for number in numbers)
+        if target not in ("level", "patch", "at") or kind not in get_args(Verdict) or not is_place:
+            raise ConfigError(
+                f"overrules.force: got {entry.strip()[:60]!r}; give entries such as level:3=rejected, patch:12=tread "
+                "or at:0.5,1.2,0.34=landing, separated by semicolons"
+            )
+        point = (numbers[0], numbers[1], numbers[2]) if target == "at" else (0.0, 0.0, 0.0)
+        number = -1 if target == "at" else int(numbers[0])
+        forces.append(
+            Force(typing.cast(Any, target), number, point, typing.cast(Verdict, kind)),
+        )
+    return tuple(forces)
+
+
+def parse_region(text: str) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
+    """Return the lowest and highest corner of a region of interest, metres in the scan's frame; None for everything.
+
+    Raises
+    ------
+    ConfigError
+        Not six finite numbers, or a side without length.
+    """
+    if not text.strip():
+        return None
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if (
+        len(numbers) != 6
+        or not all(math.isfinite(number) for number in numbers)
+        or not all(low < high for low, high in zip(numbers[:3], numbers[3:], strict=True))
+    ):
+        raise ConfigError(
+            f"overrules.region: got {text[:80]!r}; give xmin,ymin,zmin,xmax,ymax,zmax in metres, each minimum below "
+            "its maximum, or nothing"
+        )
+    return (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])
 
 
 def check_value(name: str, value: object, kind: Any, knob: Knob | None) -> None:
@@ -317,6 +528,11 @@ GROUPS: dict[str, type[Group]] = {
         LevelsParams,
         AxesParams,
         EdgesParams,
+        PatchesParams,
+        FlightsParams,
+        SurveyParams,
+        UncertaintyParams,
+        OverrulesParams,
         DisplayParams,
     )
 }

@@ -2,13 +2,19 @@
 
 import time
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
-from stair_inspector.stages.verdict import conclude
+from stair_inspector.stages.flights import find_chains
+from stair_inspector.stages.nosings import find_shapes
+from stair_inspector.stages.patches import split_levels
+from stair_inspector.stages.plumb import refine_up
+from stair_inspector.stages.rejects import apply_overrules
+from stair_inspector.stages.survey import measure_survey
+from stair_inspector.stages.verdict import conclude, conclude_survey
 
 T = TypeVar("T")
 
@@ -16,16 +22,11 @@ T = TypeVar("T")
 class Memo:
     """One slot per stage: a stage whose inputs and settings are those of its last run is not run again.
 
-    Inputs are compared by identity where they hold arrays (such values have no ``==``) and by value where they are
-    settings. ``heavy`` runs the stages that take seconds, for example in another process; ``on_stage`` is told the
-    name of every stage that is about to run.
+    Inputs are compared by identity where they hold arrays (which have no ``==``) and by value where they are settings.
+    ``heavy`` runs what takes seconds, for example in another process; ``on_stage`` is told each stage's name.
     """
 
-    def __init__(
-        self,
-        heavy: Callable[..., Any] | None = None,
-        on_stage: Callable[[str], None] | None = None,
-    ) -> None:
+    def __init__(self, heavy: Callable[..., Any] | None = None, on_stage: Callable[[str], None] | None = None) -> None:
         self._slots: dict[str, tuple[tuple[object, ...], Any]] = {}
         self._heavy = heavy
         self._on_stage = on_stage
@@ -35,8 +36,7 @@ class Memo:
         """Return ``function(*inputs)``, from the stage's slot if its inputs have not changed."""
         slot = self._slots.get(stage)
         if slot is not None and slot[0] == inputs:
-            result: T = slot[1]
-            return result
+            return cast(T, slot[1])
         if self._on_stage is not None:
             self._on_stage(stage)
         began = time.perf_counter()
@@ -56,12 +56,8 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     params : Params
         Every setting.
     memo : Memo, optional
-        Keeps the stages' results from call to call. The result is the same with and without.
-
-    Returns
-    -------
-    Inspection
-        ``timings_s`` holds the stages that ran in this call.
+        Keeps the stages' results from call to call; the result is the same with and without, but that ``timings_s``
+        holds the stages that ran in this call.
 
     Raises
     ------
@@ -77,7 +73,8 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     is_auto = params.up == "auto"
     how = (params.floor, params.method) if is_auto else (FloorParams(), "survey")
     up = memo.run("up", orient.find_up, scan, normals, params.up, *how, heavy=is_auto)
-    heights = memo.run("heights", orient.order_by_height, scan, normals, up)
+    up = memo.run("plumb", refine_up, scan, normals, up) if is_auto and params.method == "survey" else up
+    heights = memo.run("heights", orient.order_by_height, scan, normals, up, params.overrules.region)
     horizontal = memo.run("horizontal", find.select_horizontal, heights, params.horizontal)
     reach = memo.run("reach", find.find_height_reach, horizontal, params.levels.eps_m)
     levels = memo.run("levels", find.find_levels, horizontal, reach, params.levels)
@@ -90,4 +87,13 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
         nearest = memo.run("nearest", treads.find_nearest, horizontal, levels, surfaces, params.display)
         steps = memo.run("paper", paper.measure_steps, scan, up, surfaces, axes, edges, nearest)
     profile = memo.run("profile", find.profile_heights, horizontal)
-    return conclude(scan, params, up, axes, horizontal, levels, profile, surfaces, steps, dict(memo.timings_s))
+    common = (scan, params, up, axes, horizontal, levels, profile, surfaces)
+    if params.method == "paper":
+        return conclude(*common, steps, dict(memo.timings_s))
+    patches = memo.run("patches", split_levels, horizontal, levels, params.patches, params.levels)
+    forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
+    chains = memo.run("flights", find_chains, patches, params.flights, params.patches.min_area_m2, forced)
+    shapes = memo.run("nosings", find_shapes, heights, horizontal, patches, chains, params.survey.of_edges)
+    how_sure = (params.survey, params.uncertainty, params.display)
+    survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, *how_sure)
+    return conclude_survey(*common, patches, chains, forced, survey, dict(memo.timings_s))

@@ -111,8 +111,8 @@ def test_presets_are_listed_with_their_descriptions(run):
 # --- measure -------------------------------------------------------------------------------------------------------
 
 
-def test_measure_prints_the_table_and_writes_three_files(run, stair_file, tmp_path):
-    code, out, err = run("measure", stair_file, "-o", tmp_path / "out", *UP_Z)
+def test_measure_prints_the_papers_table_and_writes_three_files(run, stair_file, tmp_path):
+    code, out, err = run("measure", stair_file, "-o", tmp_path / "out", *UP_Z, "--method", "paper")
     assert (code, err) == (0, "")
     assert sorted(file.name for file in (tmp_path / "out").iterdir()) == [
         "stair.csv",
@@ -136,6 +136,29 @@ def test_measure_prints_the_table_and_writes_three_files(run, stair_file, tmp_pa
         assert f"  {note['message']}" in lines
     for suffix in (".json", ".csv", "_debug.ply"):
         assert str(tmp_path / "out" / f"stair{suffix}") in out
+
+
+def test_measure_prints_the_surveys_values_with_their_uncertainties(run, stair_file, tmp_path):
+    code, out, err = run("measure", stair_file, "-o", tmp_path / "out", *UP_Z)
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert lines[1].split() == ["step", "rise_mm", "going_mm", "depth_mm", "width_mm", "pitch_deg", "coverage"]
+    document = json.loads((tmp_path / "out" / "stair.json").read_text())
+    (flight,) = document["flights"]
+    assert lines[2] == f"  flight 1: straight, {flight['n_risers']} risers"
+
+    def shown(measured, scale, digits):
+        if measured is None:
+            return ["-"]
+        return [f"{scale * measured['value']:.{digits}f}", "±", f"{scale * measured['u']:.{digits}f}"]
+
+    for line, step in zip(lines[3:8], document["steps"], strict=True):
+        expected = ["landing"] if step["kind"] == "landing" else []
+        expected.append(str(step["id"]))
+        for name in ("rise_m", "going_m", "tread_depth_m", "width_m"):
+            expected += shown(step[name], 1000.0, 1)
+        expected += [*shown(step["pitch_deg"], 1.0, 2), f"{100.0 * step['coverage']:.0f}", "%"]
+        assert line.split() == expected
 
 
 def test_flags_reach_the_settings_of_the_result(run, stair_file, tmp_path):
@@ -226,6 +249,139 @@ def test_a_stdout_that_lacks_a_character_does_not_end_the_program(tmp_path, stai
     assert "Stiege_\\xe4.ply: " in run.stdout
 
 
+# --- overrules -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def measured(run, stair_file, tmp_path):
+    def call(*args):
+        """The JSON of the stair, measured with these arguments."""
+        code, _, err = run("measure", stair_file, "-o", tmp_path / "out", *UP_Z, *args)
+        assert (code, err) == (0, "")
+        return json.loads((tmp_path / "out" / "stair.json").read_text())
+
+    return call
+
+
+def test_overrules_are_saved_and_listed(measured):
+    force = "level:3=rejected; at:0.1,0.5,0.17=tread"
+    args = ("--overrules.force", force, "--overrules.region", "-9,-9,-9,9,9,9", "--overrules.climb", "x")
+    document = measured(*args)
+    assert document["settings"]["overrules"] == {"force": force, "climb": "x", "region": "-9,-9,-9,9,9,9"}
+    assert document["overrules"] == [
+        {"what": "level 3", "kind": "rejected"},
+        {"what": "at 0.1,0.5,0.17", "kind": "tread"},
+        {"what": "climb", "vector": [1.0, 0.0, 0.0]},
+        {"what": "region", "low_m": [-9.0, -9.0, -9.0], "high_m": [9.0, 9.0, 9.0]},
+    ]
+
+
+def test_nothing_is_listed_when_nothing_was_decided(measured):
+    document = measured()
+    assert document["overrules"] == []
+    assert document["settings"]["overrules"] == {"force": "", "climb": "auto", "region": ""}
+
+
+@pytest.mark.parametrize(
+    ("args", "text"),
+    [
+        (["--overrules.climb", "-x"], "-x"),
+        (["--overrules.climb=-x"], "-x"),
+        (["--overrules.climb", "-1,0.2,0"], "-1,0.2,0"),
+        (["--overrules.region", "-9,-9,-9,9,9,9"], "-9,-9,-9,9,9,9"),
+        (["--overrules.region=-9,-9,-9,9,9,9"], "-9,-9,-9,9,9,9"),
+        (["--overrules.region", "-9, -9, -9, 9, 9, 9"], "-9, -9, -9, 9, 9, 9"),
+        (["--overrules.region", "-.9e1,-9,-9,9,9,9"], "-.9e1,-9,-9,9,9,9"),
+    ],
+    ids=" ".join,
+)
+def test_an_overrule_that_begins_with_a_dash_is_no_flag(measured, args, text):
+    name = args[0].removeprefix("--overrules.").partition("=")[0]
+    assert measured(*args)["settings"]["overrules"][name] == text
+
+
+def test_overrules_of_a_preset_file_and_flags_over_them(measured, tmp_path):
+    preset = tmp_path / "mine.toml"
+    preset.write_text('[overrules]\nforce = "level:3=rejected"\nclimb = "x"\nregion = "-9,-9,-9,9,9,9"\n')
+    document = measured("--preset", preset)
+    assert document["settings"]["overrules"] == {"force": "level:3=rejected", "climb": "x", "region": "-9,-9,-9,9,9,9"}
+    assert [entry["what"] for entry in document["overrules"]] == ["level 3", "climb", "region"]
+    document = measured("--preset", preset, "--overrules.force", "level:2=landing", "--overrules.region", "")
+    assert document["settings"]["overrules"] == {"force": "level:2=landing", "climb": "x", "region": ""}
+    assert [entry["what"] for entry in document["overrules"]] == ["level 2", "climb"]
+
+
+def test_wrong_overrules_of_a_preset_file_name_the_file(run, stair_file, tmp_path):
+    preset = tmp_path / "mine.toml"
+    preset.write_text('[overrules]\nforce = "level:3"\n')
+    assert refusal(run, "measure", stair_file, "-o", tmp_path / "out", "--preset", preset) == (
+        f"{preset}: overrules.force: got 'level:3'; give entries such as level:3=rejected, patch:12=tread or "
+        "at:0.5,1.2,0.34=landing, separated by semicolons"
+    )
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_papers_method_knows_no_kinds_and_no_given_climb(measured, tmp_path):
+    overrules = ("--overrules.force", "level:3=rejected", "--overrules.climb", "y")
+    files = [tmp_path / "out" / "stair.csv", tmp_path / "out" / "stair_debug.ply"]
+    assert measured("--method", "paper", *overrules)["overrules"] == []
+    overruled = [file.read_bytes() for file in files]
+    assert len(measured("--method", "paper")["steps"]) == 5
+    assert [file.read_bytes() for file in files] == overruled
+
+
+def test_a_region_chooses_the_points_of_the_papers_method_too(measured):
+    document = measured("--method", "paper", "--overrules.region", "-9,-9,-9,9,9,0.6")
+    assert len(document["steps"]) == 3
+    assert document["overrules"] == [{"what": "region", "low_m": [-9.0, -9.0, -9.0], "high_m": [9.0, 9.0, 0.6]}]
+
+
+@pytest.mark.parametrize("kind", ["rejected", "landing"])
+def test_a_level_that_the_inspector_decides_is_what_was_decided(measured, kind):
+    before = [patch["kind"] for patch in measured()["patches"] if patch["level"] == 3]
+    assert before == ["tread"]
+    document = measured("--overrules.force", f"level:3={kind}")
+    (patch,) = [patch for patch in document["patches"] if patch["level"] == 3]
+    assert patch["kind"] == kind
+    # No surface becomes two steps: the top of one flight is not the first step of the next one again.
+    assert sorted(patch["step"] for patch in document["patches"] if patch["step"] is not None) == [
+        step["id"] for step in document["steps"]
+    ]
+    assert (patch["step"] is None) == (kind == "rejected")
+    if kind == "rejected":
+        assert patch["reason"]
+    else:
+        assert [step["kind"] for step in document["steps"] if step["id"] == patch["step"]] == ["landing"]
+
+
+def test_a_surface_is_decided_by_its_number_or_by_a_point_on_it_alike(measured):
+    (patch,) = [patch for patch in measured()["patches"] if patch["level"] == 5]
+    place = ",".join(f"{value:.3f}" for value in patch["centroid_m"])
+    kinds = []
+    for where in (f"patch:{patch['id']}", f"at:{place}"):
+        document = measured("--overrules.force", f"{where}=rejected")
+        kinds.append([(found["level"], found["kind"]) for found in document["patches"]])
+        assert len(document["steps"]) == 4
+    assert kinds[0] == kinds[1]
+    assert dict(kinds[0])[5] == "rejected"
+
+
+def test_only_what_lies_in_the_region_is_measured(measured):
+    # Treads lie every 0.17 m: three of them below 0.6 m.
+    document = measured("--overrules.region", "-9,-9,-9,9,9,0.6")
+    heights = [step["centroid_m"][2] for step in document["steps"]]
+    np.testing.assert_allclose(heights, [0.17, 0.34, 0.51], atol=0.002)
+
+
+@pytest.mark.parametrize(("climb", "n_flights"), [("x", 1), ("1,0.1,0", 1), ("-x", 0), ("y", 0)])
+def test_only_flights_that_climb_the_given_way_are_measured(measured, climb, n_flights):
+    flights = measured("--overrules.climb", climb)["flights"]
+    assert len(flights) == n_flights
+    for flight in flights:
+        # The nosings say which way exactly.
+        np.testing.assert_allclose(flight["climb"], [1.0, 0.0, 0.0], atol=0.01)
+
+
 # --- errors --------------------------------------------------------------------------------------------------------
 
 
@@ -265,6 +421,31 @@ def test_missing_out(run, stair_file):
         (["--up", "up"], "up: got 'up'; give auto, x, y, z, -x, -y, -z, or three numbers such as \"0.1,0,1\""),
         (["--up", "0,0,0"], "up: got '0,0,0'; give auto, x, y, z, -x, -y, -z, or three numbers such as \"0.1,0,1\""),
         (["--up", "-q"], "measure: --up needs a value; see --help"),
+        (
+            ["--overrules.force", "level:3"],
+            "measure: overrules.force: got 'level:3'; give entries such as level:3=rejected, patch:12=tread or "
+            "at:0.5,1.2,0.34=landing, separated by semicolons; see --help",
+        ),
+        (
+            ["--overrules.force", "at:0.5,1.2,0.34=floor"],
+            "measure: overrules.force: got 'at:0.5,1.2,0.34=floor'; give entries such as level:3=rejected, "
+            "patch:12=tread or at:0.5,1.2,0.34=landing, separated by semicolons; see --help",
+        ),
+        (
+            ["--overrules.climb", "up"],
+            "measure: overrules.climb: got 'up'; give auto, x, y, z, -x, -y, -z, or three numbers such as "
+            '"0.1,0,1"; see --help',
+        ),
+        (
+            ["--overrules.region", "-1000000.25,-1000000.25,-1000000.25,1000000.25,1000000.25,-1000000.25"],
+            "measure: overrules.region: got '-1000000.25,-1000000.25,-1000000.25,1000000.25,1000000.25,-1000000.25'; "
+            "give xmin,ymin,zmin,xmax,ymax,zmax in metres, each minimum below its maximum, or nothing; see --help",
+        ),
+        (["--overrules.climb", "-q"], "measure: --overrules.climb needs a value; see --help"),
+        (
+            ["--overrules.climp", "x"],
+            "measure: unknown option --overrules.climp; did you mean --overrules.climb?",
+        ),
         (["--preset", "defalt"], "--preset: unknown preset 'defalt'; did you mean 'default'?"),
         (["--preset"], "measure: --preset needs a value; see --help"),
     ],

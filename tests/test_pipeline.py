@@ -13,17 +13,24 @@ import pytest
 
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.files.exports import inspection_to_dict
+from stair_inspector.model import Normals
 from stair_inspector.params import EdgesParams, HorizontalParams, LevelsParams, NormalsParams, Params
 from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.stages import levels as find
+from stair_inspector.stages import orient, paper, treads
 from tests.synthetic import CHANGES, Stair, exact_params, make_scan, motion, numbers_of, rotation
 
 ROOT = Path(__file__).parent.parent
 NOISE = 0.002
+CHANGES_OF_UP = {"normals.k", "normals.source", "floor.distance_m", "method", "up"}
 WITHIN = 5.0
 """Standard deviations that a value may be off: by chance once in two million values."""
 NOISY = Stair(noise=NOISE, seed=21)
 FROM_HORIZONTAL = ["horizontal", "reach", "levels", "surfaces", "axes", "extents", "edges", "nearest", "paper"]
-ALL_STAGES = ["normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
+SURVEY = ["patches", "overrules", "flights", "nosings", "survey"]
+BY_PAPER = ["normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
+# The order by height comes after the comparison of floor and treads, which is made only where up is not given.
+ALL_STAGES = ["normals", "up", "plumb", *BY_PAPER[2:], *SURVEY]
 
 
 def result_of(inspection):
@@ -132,7 +139,10 @@ def test_a_rigid_motion_leaves_every_number(turn, shift, method):
     np.testing.assert_allclose(after.axes.width, turn @ still.axes.width, atol=1e-9)
     np.testing.assert_array_equal(after.labels, still.labels)
     for moved_step, step in zip(after.steps, still.steps, strict=True):
-        np.testing.assert_allclose(moved_step.corners, step.corners @ turn.T + shift, atol=1e-9)
+        np.testing.assert_allclose(moved_step.plane.centroid, turn @ step.plane.centroid + shift, atol=1e-9)
+        if method == "paper":
+            # The survey's corners are its own edges: see the scans of tests/test_survey_scans.py.
+            np.testing.assert_allclose(moved_step.corners, step.corners @ turn.T + shift, atol=1e-9)
 
 
 @pytest.mark.parametrize("source", ["given", "estimate"])
@@ -228,6 +238,54 @@ def test_paper_auto_axes_are_the_global_ones():
     assert abs(inspect(long_run.scan(), exact_params()).axes.width[1]) > 0.99
 
 
+def test_paper_gives_the_numbers_of_its_stages_alone():
+    stair = NOISY
+    scan, params = stair.scan(), exact_params(method="paper")
+    inspection = inspect(scan, params)
+    up = orient.find_up(scan, Normals(scan.normals), "z", params.floor, "paper")
+    heights = orient.order_by_height(scan, Normals(scan.normals), up)
+    horizontal = find.select_horizontal(heights, params.horizontal)
+    levels = find.find_levels(horizontal, find.find_height_reach(horizontal, params.levels.eps_m), params.levels)
+    surfaces = treads.fit_surfaces(horizontal, levels)
+    axes = treads.find_axes(horizontal, surfaces, "global", "paper")
+    edges = treads.place_edges(treads.find_extents(horizontal, levels, axes), params.edges)
+    nearest = treads.find_nearest(horizontal, levels, surfaces, params.display)
+    steps = paper.measure_steps(scan, up, surfaces, axes, edges, nearest)
+    assert [step.paper for step in inspection.steps] == [step.paper for step in steps]
+    for step, alone in zip(inspection.steps, steps, strict=True):
+        np.testing.assert_array_equal(step.corners, alone.corners)
+        np.testing.assert_array_equal(step.plane.normal, alone.plane.normal)
+        np.testing.assert_array_equal(step.nearest_ids, alone.nearest_ids)
+    np.testing.assert_array_equal(inspection.labels, levels.labels)
+
+
+def test_paper_leaves_every_field_of_the_survey_empty():
+    inspection = inspect(NOISY.scan(), exact_params(method="paper"))
+    assert (inspection.flights, inspection.patches, inspection.patch_ids) == ((), (), None)
+    for step in inspection.steps:
+        survey = {f.name: getattr(step, f.name) for f in dataclasses.fields(step)}
+        given = ("step_id", "plane", "corners", "nearest_ids", "paper", "kind")
+        assert {value for name, value in survey.items() if name not in given} == {None}
+
+
+def test_the_surveys_steps_carry_the_papers_values_of_their_level():
+    # Axes as the survey finds them: the paper's own differ by design.
+    by_paper = inspect(NOISY.scan(), exact_params(method="paper").replaced("axes.rule", "per_step"))
+    by_survey = inspect(NOISY.scan(), exact_params().replaced("axes.rule", "per_step"))
+    assert [step.paper for step in by_survey.steps] == [step.paper for step in by_paper.steps]
+
+
+@pytest.mark.parametrize(
+    "name", ["uncertainty.edge_m", "survey.line_percent", "survey.edge_source", "flights.max_gap_m", "patches.cell_m"]
+)
+def test_no_setting_of_the_survey_moves_the_papers_numbers(name):
+    before = exact_params(method="paper")
+    first = result_of(inspect(NOISY.scan(), before))
+    second = result_of(inspect(NOISY.scan(), before.replaced(name, CHANGES[name])))
+    assert first.pop("settings") != second.pop("settings")
+    assert first == second
+
+
 # --- boundaries ----------------------------------------------------------------------------------------------------
 
 
@@ -282,9 +340,13 @@ def test_levels_that_are_no_staircase_are_rejected_with_the_reason_by_the_survey
     assert survey.steps == ()
     assert [level.kind for level in survey.levels] == ["floor", "rejected", "rejected"]
     (note,) = [note for note in survey.notes if note.code == "no_staircase"]
-    assert note.message == f"no staircase found: {survey.levels[1].reason}"
-    assert survey.levels[0].reason is None
-    assert note.message in [note.message for note in paper.notes]
+    assert note.message.startswith(
+        "no staircase found: 3 horizontal surfaces, but no two of them a riser apart in height and side by side"
+    )
+    assert [level.reason for level in survey.levels] == [None, *[survey.patches[1].reason] * 2]
+    assert survey.patches[1].reason.startswith("no second and third surface a riser apart")
+    (by_paper,) = [note for note in paper.notes if note.code == "no_staircase"]
+    assert by_paper.message.startswith("no staircase found: 3 horizontal levels, but nowhere two similar rises")
 
 
 def test_steps_are_reviewed_where_they_are_kept_and_only_there():
@@ -295,17 +357,29 @@ def test_steps_are_reviewed_where_they_are_kept_and_only_there():
     assert [note.step for note in survey.notes if note.code == "no_plane"] == []
 
 
-def test_a_collinear_level_is_a_step_without_a_plane_and_a_note():
+def with_a_line_above():
+    """A stair and a riser above it a level whose points lie on one line."""
     stair_points, stair_normals = NOISY.sample()
     line = np.column_stack([np.full(80, 1.5), np.linspace(0, 1, 80), np.full(80, 1.02)])
-    scan = make_scan(
+    return make_scan(
         np.concatenate([stair_points, line]), np.concatenate([stair_normals, np.tile([0.0, 0.0, 1.0], (80, 1))])
     )
-    inspection = inspect(scan, exact_params())
+
+
+def test_a_collinear_level_is_a_step_without_a_plane_to_the_paper():
+    scan = with_a_line_above()
+    # The line is longer than the treads are wide: pooled axes keep depth and width.
+    inspection = inspect(scan, exact_params(method="paper").replaced("axes.rule", "per_step"))
     last = inspection.steps[-1]
     assert last.plane.normal is None
     assert last.plane.rms_m is None
     assert [(note.code, note.step) for note in inspection.notes if note.stage == "paper"] == [("no_plane", 6)]
+
+
+def test_a_collinear_level_is_no_step_of_the_survey():
+    inspection = inspect(with_a_line_above(), exact_params())
+    assert [step.step_id for step in inspection.steps] == [1, 2, 3, 4, 5]
+    assert inspection.levels[-1].kind == "rejected"
 
 
 def test_more_than_500_levels_cannot_be_measured():
@@ -350,6 +424,7 @@ def test_the_same_input_gives_the_same_result(method):
     assert result_of(inspect(NOISY.scan(), params)) == result_of(inspect(NOISY.scan(), params))
 
 
+@pytest.mark.slow
 def test_two_processes_give_the_same_bytes_with_up_from_the_floor():
     script = (
         "import hashlib, json; from tests.test_pipeline import NOISY, Params, inspect, result_of;"
@@ -372,7 +447,8 @@ def test_the_result_carries_its_settings_and_timings():
     params = exact_params(horizontal=HorizontalParams(theta_deg=12.0))
     inspection = inspect(NOISY.scan(), params)
     assert inspection.params is params
-    assert list(inspection.timings_s) == ALL_STAGES
+    # Up is given: there is nothing to compare it with.
+    assert list(inspection.timings_s) == [stage for stage in ALL_STAGES if stage != "plumb"]
     assert all(seconds >= 0.0 for seconds in inspection.timings_s.values())
 
 
@@ -391,7 +467,9 @@ def test_there_is_a_change_for_every_setting():
 
 @pytest.mark.parametrize("name", CHANGES)
 def test_memo_gives_what_a_plain_run_gives(name):
-    scan, memo, before = NOISY.scan(), Memo(), Params()
+    # To find the floor and compare it with the treads takes longest: only where the setting matters for it.
+    before = Params() if name in CHANGES_OF_UP else Params(up="z")
+    scan, memo = NOISY.scan(), Memo()
     after = before.replaced(name, CHANGES[name])
     first = result_of(inspect(scan, before, memo))
     assert result_of(inspect(scan, after, memo)) == result_of(inspect(scan, after))
@@ -420,18 +498,31 @@ def test_memo_gives_what_a_plain_run_gives_through_a_drag_over_all_sliders():
     ("name", "stages"),
     [
         ("normals.k", ALL_STAGES),
-        ("up", ALL_STAGES[1:]),
+        # A given up is not compared with the treads.
+        ("up", ["up", *ALL_STAGES[3:]]),
         ("floor.distance_m", ALL_STAGES[1:]),
-        ("horizontal.theta_deg", [*FROM_HORIZONTAL, "profile"]),
-        ("levels.eps_m", FROM_HORIZONTAL[1:]),
-        ("levels.min_points", FROM_HORIZONTAL[2:]),
-        ("axes.rule", ["axes", "extents", "edges", "paper"]),
+        ("overrules.region", ALL_STAGES[3:]),
+        ("horizontal.theta_deg", [*FROM_HORIZONTAL, "profile", *SURVEY]),
+        ("levels.eps_m", [*FROM_HORIZONTAL[1:], *SURVEY]),
+        ("levels.min_points", [*FROM_HORIZONTAL[2:], *SURVEY]),
+        # A step of the survey carries the paper's values too, so its last stage runs again; its search does not.
+        ("axes.rule", ["axes", "extents", "edges", "paper", "survey"]),
         # The survey looks for the floor among several planes.
-        ("method", ALL_STAGES[1:]),
-        ("edges.front_percentile", ["edges", "paper"]),
-        ("edges.back_percentile", ["edges", "paper"]),
-        ("edges.side_percentile", ["edges", "paper"]),
-        ("display.nearest_k", ["nearest", "paper"]),
+        ("method", BY_PAPER[1:]),
+        ("edges.front_percentile", ["edges", "paper", "survey"]),
+        ("edges.back_percentile", ["edges", "paper", "survey"]),
+        ("edges.side_percentile", ["edges", "paper", "survey"]),
+        ("display.nearest_k", ["nearest", "paper", "survey"]),
+        ("patches.cell_m", SURVEY),
+        ("patches.min_area_m2", SURVEY),
+        ("overrules.force", SURVEY[1:]),
+        ("overrules.climb", SURVEY[1:]),
+        ("flights.max_gap_m", SURVEY[2:]),
+        ("flights.min_risers", SURVEY[2:]),
+        ("survey.line_percent", SURVEY[4:]),
+        ("survey.edge_source", SURVEY[3:]),
+        ("uncertainty.edge_m", SURVEY[4:]),
+        ("uncertainty.registration_m", SURVEY[4:]),
         ("unit", []),
     ],
 )
@@ -454,7 +545,7 @@ def test_memo_runs_nothing_for_equal_settings_and_everything_for_another_scan():
     scan, memo = NOISY.scan(), Memo()
     inspect(scan, exact_params(), memo)
     assert inspect(scan, exact_params(), memo).timings_s == {}
-    assert list(inspect(NOISY.scan(), exact_params(), memo).timings_s) == ALL_STAGES
+    assert list(inspect(NOISY.scan(), exact_params(), memo).timings_s) == ["normals", "up", *ALL_STAGES[3:]]
 
 
 def test_memo_survives_a_setting_that_cannot_be_measured():

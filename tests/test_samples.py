@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -10,16 +11,34 @@ import pytest
 
 from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.scans import read_scan
-from stair_inspector.model import Inspection
-from stair_inspector.params import Params
-from stair_inspector.pipeline import inspect
+from stair_inspector.files.settings import find_preset
+from stair_inspector.model import Inspection, Scan
+from stair_inspector.params import Params, UncertaintyParams
+from stair_inspector.pipeline import Memo, inspect
 
+PRESETS = {
+    "straight": "tls",
+    "long_landing": "tls",
+    "ceiling_clutter": "tls",
+    "handheld_noisy": "handheld",
+    "defective_step": "tls",
+}
+"""The preset that fits the scanner of each sample."""
+LENGTHS = ("rise_m", "going_m", "tread_depth_m", "width_m", "nosing_overhang_m")
+ANGLES = ("pitch_deg", "fall_deg", "cross_fall_deg")
 EVEN = ["straight", "long_landing", "handheld_noisy", "defective_step"]
 
 
 @cache
+def load_sample(name: str) -> tuple[Scan, Memo]:
+    """Return a sample and the memo of all its inspections, so that its normals are made once."""
+    return read_scan(sample_scans() / f"{name}.ply"), Memo()
+
+
+@cache
 def inspect_sample(name: str) -> Inspection:
-    return inspect(read_scan(sample_scans() / f"{name}.ply"), Params())
+    scan, memo = load_sample(name)
+    return inspect(scan, Params(), memo)
 
 
 def truth_of(name: str) -> dict[str, Any]:
@@ -81,3 +100,108 @@ def test_the_wall_of_the_cluttered_sample_is_not_taken_for_the_floor() -> None:
     inspection = inspect_sample("ceiling_clutter")
     assert inspection.up.vector[2] > math.cos(math.radians(0.2))
     assert "floor_not_largest" in {note.code for note in inspection.notes}
+
+
+# --- the survey ----------------------------------------------------------------------------------------------------
+
+
+@cache
+def survey_sample(name: str, is_stated: bool = False) -> Inspection:
+    """Measure a sample with its preset; or with what its scanner's registration and tilt really were, stated."""
+    params = find_preset(PRESETS[name]).params
+    if is_stated:
+        scanner = truth_of(name)["scanner"]
+        stated = UncertaintyParams(
+            registration_m=max(params.uncertainty.registration_m, scanner["registration_m"]),
+            edge_m=params.uncertainty.edge_m,
+            up_deg=max(params.uncertainty.up_deg, scanner["tilt_deg"]),
+        )
+        params = replace(params, uncertainty=stated)
+    scan, memo = load_sample(name)
+    return inspect(scan, params, memo)
+
+
+def off_by(inspection: Inspection, truth: dict[str, Any], limit: float) -> list[str]:
+    """Every value that is farther from the truth than so many times its u."""
+    wrong = []
+    for step, true in zip(inspection.steps, truth["steps"], strict=True):
+        for name in (*LENGTHS, *ANGLES):
+            measured, expected = getattr(step, name), true[name]
+            # How deep and how wide the upper landing is says the floor around it, not the stair.
+            is_landing = true["kind"] == "landing" and name not in ("rise_m", "fall_deg", "cross_fall_deg")
+            if measured is None or expected is None or is_landing:
+                continue
+            if abs(measured.value - expected) > limit * measured.u:
+                wrong.append(f"step {step.step_id} {name} {measured.value:.4f} u {measured.u:.4f}, true {expected:.4f}")
+    return wrong
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_the_survey_finds_every_step_and_only_those(name: str) -> None:
+    truth, inspection = truth_of(name), survey_sample(name)
+    assert [step.kind for step in inspection.steps] == [step["kind"] for step in truth["steps"]]
+    assert [step.flight for step in inspection.steps] == [step["flight"] for step in truth["steps"]]
+    assert "no_staircase" not in {note.code for note in inspection.notes}
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_value_is_measured_or_its_absence_noted(name: str) -> None:
+    inspection = survey_sample(name)
+    tops = {flight.step_ids[-1] for flight in inspection.flights}
+    for step in inspection.steps:
+        noted = {note.code for note in inspection.notes if note.step == step.step_id}
+        assert step.rise_m is not None
+        assert step.width_m is not None
+        assert step.going_m is not None or step.step_id in tops
+        assert step.tread_depth_m is not None or "back_unobserved" in noted
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "straight",
+        "handheld_noisy",
+        "defective_step",
+    ],
+)
+def test_every_value_is_within_three_times_its_uncertainty(name: str) -> None:
+    assert off_by(survey_sample(name), truth_of(name), 3.0) == []
+
+
+@pytest.mark.parametrize("name", ["long_landing", "ceiling_clutter"])
+def test_every_value_is_within_its_uncertainty_once_the_registration_is_stated(name: str) -> None:
+    assert off_by(survey_sample(name, is_stated=True), truth_of(name), 3.0) == []
+
+
+def test_the_surveys_rises_show_the_defective_riser_and_its_going() -> None:
+    inspection = survey_sample("defective_step")
+    rises = [step.rise_m.value for step in inspection.steps if step.rise_m is not None]
+    goings = [step.going_m.value for step in inspection.steps if step.going_m is not None]
+    # Unlike the paper's heights these are not moved by the fall of tread 3.
+    assert rises[4] - float(np.median(rises)) == pytest.approx(0.015, abs=0.0005)
+    assert np.ptp(np.delete(rises, 4)) < 0.001
+    assert goings[6] - float(np.median(goings)) == pytest.approx(-0.012, abs=0.001)
+    fall = inspection.steps[2].fall_deg
+    assert fall is not None
+    assert abs(fall.value - 3.43) <= fall.u < 0.5
+
+
+def test_the_landing_of_the_long_sample_parts_two_flights() -> None:
+    inspection = survey_sample("long_landing")
+    assert [flight.step_ids for flight in inspection.flights] == [tuple(range(1, 9)), tuple(range(9, 16))]
+    assert inspection.steps[7].kind == "landing"
+
+
+def test_the_landing_of_the_long_sample_has_its_going() -> None:
+    landing = survey_sample("long_landing", is_stated=True).steps[7].going_m
+    assert landing is not None
+    assert landing.value == pytest.approx(1.25, abs=3.0 * landing.u)
+
+
+def test_ceiling_table_and_boxes_of_the_cluttered_sample_are_rejected() -> None:
+    inspection = survey_sample("ceiling_clutter")
+    rejected = [patch.reason for patch in inspection.patches if patch.kind == "rejected"]
+    assert all(rejected)
+    reasons = " ".join(str(reason) for reason in rejected)
+    assert "a ceiling or the storey above" in reasons
+    assert "furniture" in reasons

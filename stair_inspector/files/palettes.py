@@ -1,6 +1,6 @@
 """Colour sets for pictures and the debug PLY."""
 
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,10 @@ Rgb = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """Colours, red green blue from 0 to 255; ``steps`` are used in turn from bottom to top."""
+    """Colours, red green blue from 0 to 255; ``steps`` are used in turn from bottom to top.
+
+    ``measure`` draws the survey's measuring lines; the paper has none, so a palette need not name it.
+    """
 
     title: str
     floor: Rgb
@@ -26,6 +29,7 @@ class Palette:
     back_edge: Rgb
     side_edge: Rgb
     centre: Rgb
+    measure: Rgb = (0, 190, 200)
 
     def of_step(self, step_id: int) -> Rgb:
         """Return the colour of step 1, 2, ..."""
@@ -55,13 +59,13 @@ def _read(path: Path) -> Palette:
     values = read_toml(path)
     names = [item.name for item in fields(Palette)]
     check_keys(str(path), values, names)
-    missing = [name for name in names if name not in values]
+    missing = [item.name for item in fields(Palette) if item.default is MISSING and item.name not in values]
     if missing:
         raise ConfigError(f"{path}: {missing[0]} is missing; add it")
     if not isinstance(values["steps"], list) or not values["steps"]:
         raise ConfigError(f"{path}: steps: give a list of at least one colour")
     steps = tuple(_rgb(f"{path}: steps", value) for value in values["steps"])
-    single = {name: _rgb(f"{path}: {name}", values[name]) for name in names if name not in ("title", "steps")}
+    single = {name: _rgb(f"{path}: {name}", values[name]) for name in values if name not in ("title", "steps")}
     return Palette(title=str(values["title"]), steps=steps, **single)
 
 

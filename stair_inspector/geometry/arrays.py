@@ -11,6 +11,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Labels = NDArray[np.int16]
 Colors = NDArray[np.uint8]
+Bools = NDArray[np.bool_]
 
 
 def own(array: Any, shape: tuple[int | None, ...], name: str, dtype: Any = np.float64) -> NDArray[Any]:

@@ -24,7 +24,7 @@ def select_horizontal(heights: HeightOrder, params: HorizontalParams) -> Horizon
         coordinates_m=freeze(heights.coordinates_m.take(ids, axis=1)),
         level_from_scan=heights.level_from_scan,
         up=heights.up,
-        n_scan=len(heights.point_ids),
+        n_scan=heights.n_scan,
     )
 
 

@@ -5,16 +5,18 @@ import math
 import numpy as np
 
 from stair_inspector.errors import CannotMeasure, ConfigError, DegenerateGeometry
-from stair_inspector.geometry.arrays import Floats, freeze, own, project
+from stair_inspector.geometry.arrays import Floats, freeze, own, project, scatter_of
 from stair_inspector.geometry.clusters import cluster_sorted, find_reach
-from stair_inspector.geometry.fits import PlaneFit, find_plane_ransac, spread_rank
+from stair_inspector.geometry.fits import PlaneFit, find_plane_ransac, fit_plane, spread_rank
 from stair_inspector.geometry.normals import estimate_normals
 from stair_inspector.model import HeightOrder, Normals, Note, Scan, Up
-from stair_inspector.params import FloorParams, Method, NormalsParams, parse_up
+from stair_inspector.params import FloorParams, Method, NormalsParams, parse_region, parse_up
 
 _MIN_POINTS = 50
 """Below this a scan has no surface to speak of."""
 _MAX_FLOOR_CANDIDATES = 6
+_POINTS_TO_COMPARE = 150_000
+_NORMAL_SEEDS, _NORMAL_MODES = 400, 4
 _CANDIDATE_SHARE = 0.05
 """A plane with less than this share of the largest plane's points is not tried as the floor."""
 _LEVEL_TOLERANCE_DEG = 15.0
@@ -83,13 +85,19 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: 
         return Up(own(given, (3,), "up"), "given")
     try:
         wanted = 1 if method == "paper" else _MAX_FLOOR_CANDIDATES
-        candidates = _find_planes(scan.points, params.distance_m, wanted)
+        # Candidates can be found and compared among fewer points; the one that is chosen is fitted to all.
+        few = slice(None) if method == "paper" else slice(None, None, -(-len(scan.points) // _POINTS_TO_COMPARE))
+        candidates = _find_planes(scan.points[few], params.distance_m, wanted)
+        if method != "paper":
+            candidates += _planes_of_normals(scan.points[few], normals.vectors[few], candidates, params.distance_m)
     except DegenerateGeometry as error:
         raise CannotMeasure(
             f"{scan.name}: no floor found ({error}); give the up direction, for example --up z"
         ) from error
-    support = [_count_levels(scan.points, normals.vectors, plane) for plane in candidates]
+    support = [_count_levels(scan.points[few], normals.vectors[few], plane) for plane in candidates]
     chosen = _choose_floor(candidates, support)
+    if method != "paper":
+        candidates = [_fitted_to_all(scan.points, plane, params.distance_m) for plane in candidates[: chosen + 1]]
     vector, notes = _turn_upwards(scan.points, candidates[chosen], params.distance_m)
     if chosen > 0:
         message = (
@@ -100,13 +108,25 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: 
     return Up(own(vector, (3,), "up"), "floor", notes=notes)
 
 
-def order_by_height(scan: Scan, normals: Normals, up: Up) -> HeightOrder:
+def order_by_height(scan: Scan, normals: Normals, up: Up, region: str = "") -> HeightOrder:
     """Sort the points by height along ``up``, with plan coordinates and |n . u| in the same order.
+
+    Parameters
+    ----------
+    scan, normals, up
+        Of one scan.
+    region : str
+        Region of interest as ``overrules.region`` gives it, metres in the scan frame; points outside are left out.
 
     Returns
     -------
     HeightOrder
         z_i = <p_i, u> (step 3 of the paper), metres, local.
+
+    Raises
+    ------
+    ConfigError
+        No point lies in the region.
     """
     u = up.vector
     least = np.zeros(3)
@@ -117,12 +137,20 @@ def order_by_height(scan: Scan, normals: Normals, up: Up) -> HeightOrder:
     rows = np.ascontiguousarray(scan.points.T)
     coordinates = np.stack([project(rows, axis) for axis in level_from_scan])
     order = np.argsort(coordinates[2], kind="stable")
+    box = parse_region(region)
+    if box is not None:
+        low, high = np.array(box) - scan.origin_m
+        is_inside = ((scan.points >= low) & (scan.points <= high)).all(axis=1)
+        order = order[is_inside[order]]
+        if not len(order):
+            raise ConfigError(f"overrules.region: no point of {scan.name} lies in the box {region}; check its corners")
     return HeightOrder(
         point_ids=freeze(order),
         alignment=freeze(np.abs(project(normals.vectors.T, u))[order]),
         coordinates_m=freeze(coordinates.take(order, axis=1)),
         level_from_scan=own(level_from_scan, (3, 3), "level_from_scan"),
         up=up,
+        n_scan=len(scan.points),
     )
 
 
@@ -139,6 +167,52 @@ def _find_planes(points: Floats, distance_m: float, wanted: int) -> list[PlaneFi
             break
         planes.append(plane)
     return planes
+
+
+def _planes_of_normals(points: Floats, normals: Floats, known: list[PlaneFit], distance_m: float) -> list[PlaneFit]:
+    """Return the largest plane square to each frequent direction of the normals that no known plane has.
+
+    The plane through all nosings of a long flight holds more points than any of its treads, and so do planes parallel
+    to it; but the treads' own normals say which way they face.
+    """
+    folded = normals * np.where(normals[:, 2] < 0.0, -1.0, 1.0)[:, None]
+    seeds = folded[:: -(-len(folded) // _NORMAL_SEEDS)]
+    cosine = math.cos(math.radians(_LEVEL_TOLERANCE_DEG))
+    found: list[PlaneFit] = []
+    is_free = np.ones(len(folded), dtype=np.bool_)
+    for _ in range(_NORMAL_MODES):
+        some = folded[is_free][:: max(1, int(np.count_nonzero(is_free)) // _NORMAL_SEEDS)]
+        if len(some) < _MIN_POINTS:
+            break
+        votes = np.count_nonzero(np.abs(np.einsum("ik,jk->ij", seeds, some)) >= cosine, axis=1)
+        middle = seeds[int(np.argmax(votes))]
+        faces = np.abs(project(folded.T, middle)) >= cosine
+        is_free &= ~faces
+        # One normal is some degrees off, which over a long flight is more than a riser: their mean is not.
+        middle = np.linalg.eigh(scatter_of(np.ascontiguousarray(folded[faces].T)))[1][:, 2]
+        if any(abs(float(_normal(plane) @ middle)) >= cosine for plane in (*known, *found)):
+            continue
+        heights = np.sort(project(points[faces].T, middle))
+        clusters = cluster_sorted(find_reach(heights, _LEVEL_EPS_M), _MIN_POINTS)
+        if not len(clusters.start):
+            continue
+        largest = int(np.argmax(clusters.stop - clusters.start))
+        low, high = heights[clusters.start[largest]], heights[clusters.stop[largest] - 1]
+        along = project(points.T, middle)
+        level = points[faces & (along >= low) & (along <= high)]
+        if len(level) >= _MIN_POINTS and spread_rank(level) >= 2:
+            plane = fit_plane(level, middle)
+            if plane.normal is not None:
+                found.append(_fitted_to_all(points, plane, distance_m))
+    return found
+
+
+def _fitted_to_all(points: Floats, plane: PlaneFit, distance_m: float) -> PlaneFit:
+    """Return the least-squares plane of all points near a plane that was found among fewer."""
+    rows = points.T
+    near = np.abs(project(rows, _normal(plane)) - float(plane.centroid @ _normal(plane))) <= distance_m
+    fitted = fit_plane(points[near], _normal(plane))
+    return plane if fitted.normal is None else fitted
 
 
 def _count_levels(points: Floats, normals: Floats, plane: PlaneFit) -> tuple[int, int]:

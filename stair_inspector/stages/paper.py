@@ -77,7 +77,7 @@ def review_steps(steps: tuple[Step, ...]) -> tuple[Note, ...]:
     notes = []
     for below, step in itertools.pairwise(steps):
         # The depth axis points to the front, against the climb: fronts must fall from step to step.
-        if step.paper.f_m >= below.paper.f_m:
+        if step.paper.f_m is not None and below.paper.f_m is not None and step.paper.f_m >= below.paper.f_m:
             back_mm = (step.paper.f_m - below.paper.f_m) * 1000.0
             message = (
                 f"the front edge of step {step.step_id} lies {back_mm:.0f} mm in front of that of step "

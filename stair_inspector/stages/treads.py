@@ -137,16 +137,34 @@ def place_edges(extents: Extents, params: EdgesParams) -> Edges:
 
 def find_nearest(horizontal: Horizontal, levels: Levels, surfaces: Surfaces, params: DisplayParams) -> NearestPoints:
     """Find the K points of each step nearest to its centroid, nearest first (step 10 of the paper)."""
-    nearest: list[Ints] = []
-    for start, stop, plane in zip(levels.start[1:], levels.stop[1:], surfaces.planes[1:], strict=True):
-        rows = horizontal.coordinates_m[:, start:stop]
-        k = min(params.nearest_k, stop - start)
-        offset = rows - (horizontal.level_from_scan @ plane.centroid)[:, None]
-        distance = np.einsum("ij,ij->j", offset, offset)
-        few = np.argpartition(distance, k - 1)[:k] if 0 < k < len(distance) else np.arange(k)
-        few = few[np.argsort(distance[few], kind="stable")]
-        nearest.append(freeze(horizontal.point_ids[start:stop][few]))
-    return NearestPoints(tuple(nearest))
+    return NearestPoints(
+        tuple(
+            nearest_rows(horizontal, slice(start, stop), plane.centroid, params.nearest_k)
+            for start, stop, plane in zip(levels.start[1:], levels.stop[1:], surfaces.planes[1:], strict=True)
+        )
+    )
+
+
+def nearest_rows(horizontal: Horizontal, rows: Ints | slice, centre: Floats, wanted: int) -> Ints:
+    """Return the ids into the scan of the ``wanted`` points among some rows that are nearest to a place, nearest first.
+
+    Parameters
+    ----------
+    horizontal : Horizontal
+        Upright points.
+    rows : (r,) or slice
+        Which of them.
+    centre : (3,)
+        Local scan axes, metres.
+    wanted : int
+        All are returned where there are fewer.
+    """
+    offset = horizontal.coordinates_m[:, rows] - (horizontal.level_from_scan @ centre)[:, None]
+    distance = np.einsum("ij,ij->j", offset, offset)
+    k = min(wanted, len(distance))
+    few = np.argpartition(distance, k - 1)[:k] if 0 < k < len(distance) else np.arange(k)
+    few = few[np.argsort(distance[few], kind="stable")]
+    return freeze(horizontal.point_ids[rows][few])
 
 
 def _percentiles(coordinates: tuple[Floats, ...], percent: float) -> tuple[float, ...]:

@@ -3,15 +3,23 @@
 import dataclasses
 import itertools
 import math
+from typing import Literal
 
+import numpy as np
+
+from stair_inspector.geometry.arrays import Floats, freeze
 from stair_inspector.model import (
+    NON_STAIR_LABEL,
     Axes,
+    Chains,
     HeightProfile,
     Horizontal,
     Inspection,
     Level,
     Levels,
     Note,
+    Patch,
+    Patches,
     Scan,
     ScanSummary,
     Step,
@@ -20,6 +28,8 @@ from stair_inspector.model import (
 )
 from stair_inspector.params import Params
 from stair_inspector.stages.paper import measure_h, review_steps
+from stair_inspector.stages.rejects import Forced, explain_rejects, lean_deg
+from stair_inspector.stages.survey import Survey
 
 _LOWEST_RISE_M = 0.06
 _HIGHEST_RISE_M = 0.35
@@ -31,6 +41,12 @@ _MERGED_M = 0.1
 _SHORTEST_GOING_M = 0.15
 _LONGEST_GOING_M = 0.9
 """Distance of two centres: from the narrowest tread to half a tread and half a landing."""
+Kind = Literal["floor", "tread", "landing", "rejected"]
+_TELLING: tuple[Kind, ...] = ("tread", "landing", "floor")
+_FEWEST_TREADS = 3
+_LEVEL_DEG = 0.3
+_USUAL_GOING_M = 0.28
+_RAMP_DEG = (2.0, 12.0)
 _STEEPEST_TREAD_DEG = 8.0
 """A surface that leans more is a piece of a ramp; treads of a badly levelled scan lean up to 5 degrees."""
 
@@ -47,15 +63,134 @@ def conclude(
     steps: tuple[Step, ...],
     timings_s: dict[str, float],
 ) -> Inspection:
-    """Put the stages' results together with their notes, and say so if they are no staircase.
+    """Put the paper's stages together with their notes, and say so if they are no staircase.
 
-    With the paper's method every cluster above the lowest stays a step, whatever it is; with the survey's the steps
-    of a scan without a staircase are empty and the levels are rejected with the reason.
+    Every cluster above the lowest stays a step, whatever it is.
     """
     planes = surfaces.planes
+    found = _levels_of(scan, up, horizontal, levels, surfaces)
+    notes = [*scan.notes, *up.notes, *(axes.notes if axes is not None else ()), *review_steps(steps)]
+    reason = why_no_staircase(surfaces, found, up)
+    if reason is not None:
+        notes.append(Note("no_staircase", "verdict", f"no staircase found: {reason}"))
+    return Inspection(
+        scan=_summary_of(scan),
+        params=params,
+        up=up,
+        axes=axes,
+        levels=found,
+        steps=steps,
+        floor=planes[0] if planes else None,
+        floor_h_m=measure_h(planes[0], planes[1], up) if len(planes) > 1 else None,
+        profile=dataclasses.replace(profile, low_m=profile.low_m + float(scan.origin_m @ up.vector)),
+        labels=levels.labels,
+        notes=tuple(notes),
+        timings_s=timings_s,
+    )
+
+
+def conclude_survey(
+    scan: Scan,
+    params: Params,
+    up: Up,
+    axes: Axes | None,
+    horizontal: Horizontal,
+    levels: Levels,
+    profile: HeightProfile,
+    surfaces: Surfaces,
+    patches: Patches,
+    chains: Chains,
+    forced: Forced,
+    survey: Survey,
+    timings_s: dict[str, float],
+) -> Inspection:
+    """Put the survey's stages together: what every surface and height cluster is, and why not what it is not.
+
+    Returns
+    -------
+    Inspection
+        Without steps, and with the reason in a note, where there is no staircase.
+    """
+    origin_z = float(scan.origin_m @ up.vector)
+    bases = {chain.base for chain in chains.chains if chain.base is not None}
+    step_of = dict(zip(survey.surfaces, survey.steps, strict=True))
+    floors = frozenset(bases - step_of.keys()) if survey.steps else _lowest_surface(patches, forced)
+    taken = frozenset(step_of) | floors
+    reasons = explain_rejects(patches, chains, forced, taken, params.patches.min_area_m2)
+    named = tuple(
+        Patch(
+            patch_id=number,
+            level_id=surface.level_id,
+            height_m=surface.height_m + origin_z,
+            area_m2=surface.area_m2,
+            plane=surface.plane,
+            kind="floor" if number in floors else step_of[number].kind if number in step_of else "rejected",
+            step_id=step_of[number].step_id if number in step_of else None,
+            reason=reasons.get(number),
+        )
+        for number, surface in enumerate(patches.surfaces)
+    )
+    labels = np.full(horizontal.n_scan, NON_STAIR_LABEL, dtype=np.int16)
+    patch_ids = np.full(horizontal.n_scan, -1, dtype=np.int64)
+    for patch, surface in zip(named, patches.surfaces, strict=True):
+        ids = horizontal.point_ids[surface.rows]
+        patch_ids[ids] = patch.patch_id
+        if patch.kind != "rejected":
+            labels[ids] = patch.step_id or 0
+    notes = [*scan.notes, *up.notes]
+    if survey.steps:
+        notes += [*(axes.notes if axes is not None else ()), *survey.notes, *_disagreement(survey, up)]
+    else:
+        notes.append(Note("no_staircase", "verdict", f"no staircase found: {_why_no_flight(patches, chains, levels)}"))
+    for number, decided in sorted(forced.kinds.items()):
+        if named[number].kind != decided:
+            is_now = named[number].kind
+            message = f"patch {number} was to be a {decided} and is {is_now}: no flight reaches it, or one begins at it"
+            notes.append(Note("overrule_unmet", "verdict", message))
+    lowest = min((patch for patch in named if patch.kind == "floor"), key=lambda patch: patch.height_m, default=None)
+    planes = surfaces.planes
+    return Inspection(
+        scan=_summary_of(scan),
+        params=params,
+        up=up,
+        axes=axes if survey.steps else None,
+        levels=_named_levels(_levels_of(scan, up, horizontal, levels, surfaces), named),
+        steps=survey.steps,
+        floor=None if lowest is None else lowest.plane,
+        floor_h_m=measure_h(planes[0], planes[1], up) if len(planes) > 1 and survey.steps else None,
+        profile=dataclasses.replace(profile, low_m=profile.low_m + origin_z),
+        labels=freeze(labels),
+        notes=tuple(notes),
+        timings_s=timings_s,
+        flights=survey.flights,
+        patches=named,
+        patch_ids=freeze(patch_ids),
+    )
+
+
+def _lowest_surface(patches: Patches, forced: Forced) -> frozenset[int]:
+    """Return the largest surface of the lowest height cluster, which is the floor where there is no staircase."""
+    unwanted = forced.those("rejected")
+    own = [k for k, surface in enumerate(patches.surfaces) if surface.level_id == 0 and k not in unwanted]
+    return frozenset(sorted(own, key=lambda number: -patches.surfaces[number].area_m2)[:1])
+
+
+def _summary_of(scan: Scan) -> ScanSummary:
+    return ScanSummary(
+        name=scan.name,
+        sha256=scan.sha256,
+        n_points=scan.n_points,
+        n_used=len(scan.points),
+        unit=scan.unit,
+        origin_m=(float(scan.origin_m[0]), float(scan.origin_m[1]), float(scan.origin_m[2])),
+    )
+
+
+def _levels_of(scan: Scan, up: Up, horizontal: Horizontal, levels: Levels, surfaces: Surfaces) -> tuple[Level, ...]:
+    """Return the height clusters as the paper takes them: the lowest is the floor, the others are steps."""
     heights = horizontal.coordinates_m[2]
     origin_z = float(scan.origin_m @ up.vector)
-    found = tuple(
+    return tuple(
         Level(
             level_id=level_id,
             height_m=float(plane.centroid @ up.vector) + origin_z,
@@ -64,43 +199,68 @@ def conclude(
             n_points=plane.n_points,
             kind="floor" if level_id == 0 else "tread",
         )
-        for level_id, (plane, start, stop) in enumerate(zip(planes, levels.start, levels.stop, strict=True))
+        for level_id, (plane, start, stop) in enumerate(zip(surfaces.planes, levels.start, levels.stop, strict=True))
     )
-    floor_h_m = measure_h(planes[0], planes[1], up) if len(planes) > 1 else None
-    notes = [*scan.notes, *up.notes, *(axes.notes if axes is not None else ())]
-    reason = why_no_staircase(surfaces, found, up)
-    if reason is None or params.method == "paper":
-        notes += review_steps(steps)
-    if reason is not None:
-        notes.append(Note("no_staircase", "verdict", f"no staircase found: {reason}"))
-        if params.method != "paper":
-            steps = ()
-            axes, floor_h_m = None, None
-            found = tuple(
-                level if level.kind == "floor" else dataclasses.replace(level, kind="rejected", reason=reason)
-                for level in found
-            )
-    return Inspection(
-        scan=ScanSummary(
-            name=scan.name,
-            sha256=scan.sha256,
-            n_points=scan.n_points,
-            n_used=len(scan.points),
-            unit=scan.unit,
-            origin_m=(float(scan.origin_m[0]), float(scan.origin_m[1]), float(scan.origin_m[2])),
-        ),
-        params=params,
-        up=up,
-        axes=axes,
-        levels=found,
-        steps=steps,
-        floor=planes[0] if planes else None,
-        floor_h_m=floor_h_m,
-        profile=dataclasses.replace(profile, low_m=profile.low_m + origin_z),
-        labels=levels.labels,
-        notes=tuple(notes),
-        timings_s=timings_s,
+
+
+def _named_levels(levels: tuple[Level, ...], patches: tuple[Patch, ...]) -> tuple[Level, ...]:
+    """Return the height clusters with the kind of their most telling patch: a tread before a landing before a floor."""
+    named = []
+    for level in levels:
+        own = [patch for patch in patches if patch.level_id == level.level_id]
+        kinds = {patch.kind for patch in own}
+        kind: Kind = next((kind for kind in _TELLING if kind in kinds), "rejected")
+        reason = None
+        if kind == "rejected":
+            largest = max(own, key=lambda patch: patch.area_m2, default=None)
+            reason = "its points are scattered and form no surface" if largest is None else largest.reason
+        named.append(dataclasses.replace(level, kind=kind, reason=reason))
+    return tuple(named)
+
+
+def _disagreement(survey: Survey, up: Up) -> list[Note]:
+    """Note where the treads on the whole are not square to up: either all fall the same way, or up is wrong."""
+    normals = [step.plane.normal for step in survey.steps if step.plane.normal is not None and step.kind == "tread"]
+    if len(normals) < _FEWEST_TREADS:
+        return []
+    middle = np.median(normals, axis=0)
+    middle /= np.linalg.norm(middle)
+    scatter_deg = float(np.median([_angle_deg(normal, middle) for normal in normals]))
+    lean_deg = _angle_deg(middle, up.vector)
+    if lean_deg <= max(_LEVEL_DEG, 3.0 * scatter_deg / math.sqrt(len(normals)), up.u_deg or 0.0):
+        return []
+    message = (
+        f"the treads on the whole lean by {lean_deg:.2f}° from the horizontal of the up direction ({up.source}): "
+        "either they are built so, or up is wrong by that much, which would move each rise by "
+        f"{1000.0 * _USUAL_GOING_M * math.tan(math.radians(lean_deg)):.0f} mm"
     )
+    return [Note("treads_lean", "verdict", message)]
+
+
+def _angle_deg(a: Floats, b: Floats) -> float:
+    return math.degrees(math.acos(min(1.0, abs(float(a @ b)))))
+
+
+def _why_no_flight(patches: Patches, chains: Chains, levels: Levels) -> str:
+    """Return why no surfaces follow each other as steps."""
+    surfaces = patches.surfaces
+    advice = "check the up direction, then theta_th, eps_z and m"
+    if not surfaces:
+        count = len(levels.start)
+        return f"{count} horizontal level{'' if count == 1 else 's'} and no connected surface in them; {advice}"
+    largest = max(surfaces, key=lambda surface: surface.area_m2)
+    lean = lean_deg(largest)
+    what = f"{len(surfaces)} horizontal surface{'' if len(surfaces) == 1 else 's'}"
+    if chains.longest_risers == 1:
+        found = "only single risers, as of a kerb or a platform, where a flight has two and more in a row"
+    elif chains.longest_risers:
+        found = f"at most {chains.longest_risers} risers in a row, too uneven or too few for a flight"
+    else:
+        found = "no two of them a riser apart in height and side by side in plan"
+    ramp = ""
+    if _RAMP_DEG[0] <= lean <= _RAMP_DEG[1]:
+        ramp = f"; the largest, of {largest.area_m2:.1f} m², leans by {lean:.1f}° as a ramp does"
+    return f"{what}, but {found}{ramp}; {advice}"
 
 
 def why_no_staircase(surfaces: Surfaces, levels: tuple[Level, ...], up: Up) -> str | None:

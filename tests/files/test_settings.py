@@ -6,7 +6,16 @@ import pytest
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.settings import find_preset, list_presets, params_from_dict, params_to_dict, read_preset
-from stair_inspector.params import GROUPS, Params, fields_of
+from stair_inspector.params import (
+    GROUPS,
+    Force,
+    OverrulesParams,
+    Params,
+    UncertaintyParams,
+    fields_of,
+    parse_force,
+    parse_region,
+)
 from tests.synthetic import CHANGES
 
 PLACE = "mine.toml"
@@ -57,6 +66,27 @@ def test_what_is_not_named_keeps_its_default():
         ({"method": {"a": 1}}, "mine.toml: method: got {'a': 1}; give one of survey, paper"),
         ({"axes": {"rule": ["auto"]}}, "mine.toml: axes.rule: got ['auto']; give one of auto, global, per_step"),
         ({"up": 5}, "mine.toml: up: got 5; give a text"),
+        ({"overrules": {"forse": ""}}, "mine.toml: [overrules]: unknown key 'forse'; did you mean 'force'?"),
+        (
+            {"overrules": {"force": ["level:3=rejected"]}},
+            "mine.toml: overrules.force: got ['level:3=rejected']; give a text",
+        ),
+        (
+            {"overrules": {"force": "level:3=rejected; level:4=table"}},
+            "mine.toml: overrules.force: got 'level:4=table'; give entries such as level:3=rejected, patch:12=tread or "
+            "at:0.5,1.2,0.34=landing, separated by semicolons",
+        ),
+        (
+            {"overrules": {"climb": "up"}},
+            "mine.toml: overrules.climb: got 'up'; give auto, x, y, z, -x, -y, -z, or three numbers such as "
+            '"0.1,0,1"',
+        ),
+        (
+            {"overrules": {"region": "0,0,0,1,1,-1"}},
+            "mine.toml: overrules.region: got '0,0,0,1,1,-1'; give xmin,ymin,zmin,xmax,ymax,zmax in metres, each "
+            "minimum below its maximum, or nothing",
+        ),
+        ({"uncertainty": {"up_deg": 6}}, "mine.toml: uncertainty.up_deg: got 6; give a value from 0 to 5"),
     ],
 )
 def test_the_sentence_for_a_wrong_table(values, text):
@@ -77,6 +107,40 @@ def test_the_default_preset_is_the_defaults():
     assert find_preset("default").params == Params()
 
 
+@pytest.mark.parametrize(
+    ("name", "registration_m", "edge_m", "up_deg", "scale_percent"),
+    [
+        ("tls", 0.0001, 0.0, 0.01, 0.0),
+        ("handheld", 0.0014, 0.0024, 0.15, 0.0),
+        ("robot_lidar", 0.0023, 0.005, 0.15, 0.0),
+        ("depth_camera", 0.0042, 0.003, 0.2, 0.0),
+        ("phone", 0.005, 0.0075, 0.3, 0.5),
+    ],
+)
+def test_a_scanners_preset_states_what_its_class_leaves_uncertain(name, registration_m, edge_m, up_deg, scale_percent):
+    assert find_preset(name).params.uncertainty == UncertaintyParams(registration_m, edge_m, up_deg, scale_percent)
+
+
+def test_every_scanners_preset_states_an_uncertainty_and_decides_nothing():
+    for preset in list_presets():
+        assert (preset.params.uncertainty == UncertaintyParams()) == (preset.name == "default")
+        assert preset.params.overrules == OverrulesParams()
+
+
+def test_overrules_in_a_preset_file(tmp_path):
+    path = tmp_path / "hall.toml"
+    path.write_text(
+        '[overrules]\nforce = "level:3=rejected; at:0.5,1.2,0.34=landing"\nclimb = "-x"\nregion = "-1,-2,-3,4,5,6"\n'
+    )
+    overrules = find_preset(str(path)).params.overrules
+    assert parse_force(overrules.force) == (
+        Force("level", 3, (0.0, 0.0, 0.0), "rejected"),
+        Force("at", -1, (0.5, 1.2, 0.34), "landing"),
+    )
+    assert overrules.climb == "-x"
+    assert parse_region(overrules.region) == ((-1.0, -2.0, -3.0), (4.0, 5.0, 6.0))
+
+
 def test_a_preset_file_of_ones_own(tmp_path):
     path = tmp_path / "hall.toml"
     path.write_text('title = "Hall"\nmethod = "paper"\n[levels]\neps_m = 0.03\n')
@@ -89,6 +153,10 @@ def test_a_preset_file_of_ones_own(tmp_path):
     ("content", "text"),
     [
         (b"[levels]\neps_m = 0.3\n", "levels.eps_m: got 0.3; give a value from 0.001 to 0.1"),
+        (
+            b"[overrules]\nclimb = 'x,y'\n",
+            "overrules.climb: got 'x,y'; give auto, x, y, z, -x, -y, -z, or three numbers such as \"0.1,0,1\"",
+        ),
         (b"titel = 'x'\n", "unknown key 'titel'; did you mean 'title'?"),
         (b"title = 3\n", "title: got 3; give a text in quotes"),
         (b"levels = \n", "is not valid TOML (Invalid value (at line 1, column 10)); mend that place"),
@@ -99,7 +167,19 @@ def test_a_preset_file_of_ones_own(tmp_path):
         (b"[levels]\nmin_points = " + b"9" * 5000, None),
         (b"a = " + b"[" * 5000, None),
     ],
-    ids=["range", "misspelt", "title", "toml", "twice", "binary", "zero_byte", "large", "huge_number", "deep"],
+    ids=[
+        "range",
+        "overrule",
+        "misspelt",
+        "title",
+        "toml",
+        "twice",
+        "binary",
+        "zero_byte",
+        "large",
+        "huge_number",
+        "deep",
+    ],
 )
 def test_a_preset_file_that_is_wrong_is_one_sentence_with_its_name(tmp_path, content, text):
     path = tmp_path / "mine.toml"

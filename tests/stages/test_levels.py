@@ -26,6 +26,7 @@ def order_of(heights, alignment=None, point_ids=None):
         coordinates_m=np.stack([np.zeros(n), np.zeros(n), heights]),
         level_from_scan=np.eye(3),
         up=Up(np.array([0.0, 0.0, 1.0]), "given"),
+        n_scan=n,
     )
 
 

@@ -157,3 +157,56 @@ def test_level_coordinates_are_a_rotation_of_the_scans(up):
     assert np.linalg.det(turn) == pytest.approx(1.0)
     np.testing.assert_allclose(turn.T @ order.coordinates_m, scan.points[order.point_ids].T, atol=1e-15)
     assert (np.diff(order.coordinates_m[2]) >= 0.0).all()
+
+
+# --- region --------------------------------------------------------------------------------------------------------
+
+
+def ordered(region, origin_m=(0.0, 0.0, 0.0)):
+    scan = make_scan(random_points(400), random_points(400, 1), origin_m=origin_m)
+    up = Up(np.array([0.36, 0.48, 0.8]), "given")
+    return scan, order_by_height(scan, Normals(scan.normals), up, region)
+
+
+def test_a_region_keeps_the_points_of_its_box_in_the_same_order():
+    scan, whole = ordered("")
+    _, part = ordered("0.2,0.1,-1,0.9,0.6,0.5")
+    inside = ((scan.points >= [0.2, 0.1, -1.0]) & (scan.points <= [0.9, 0.6, 0.5])).all(axis=1)
+    assert 0 < len(part.point_ids) == np.count_nonzero(inside) < 400
+    kept = inside[whole.point_ids]
+    np.testing.assert_array_equal(part.point_ids, whole.point_ids[kept])
+    np.testing.assert_array_equal(part.coordinates_m, whole.coordinates_m[:, kept])
+    np.testing.assert_array_equal(part.alignment, whole.alignment[kept])
+    assert part.n_scan == whole.n_scan == 400
+
+
+def test_a_region_is_in_the_scans_frame_and_its_faces_belong_to_it():
+    origin = (691_000.0, 5_335_000.0, 520.0)
+    _, near = ordered("0.2,0.1,0,0.9,0.6,0.5")
+    _, far = ordered("691000.2,5335000.1,520,691000.9,5335000.6,520.5", origin)
+    np.testing.assert_array_equal(far.point_ids, near.point_ids)
+    scan, _ = ordered("")
+    x, y, z = (float(value) for value in scan.points[7])
+    _, one = ordered(f"{x!r},{y!r},{z!r},{x + 1e-9!r},{y + 1e-9!r},{z + 1e-9!r}")
+    np.testing.assert_array_equal(one.point_ids, [7])
+
+
+def test_a_region_without_points_is_refused_by_name():
+    with pytest.raises(ConfigError) as error:
+        ordered("5,5,5,6,6,6")
+    assert str(error.value) == (
+        "overrules.region: no point of synthetic.ply lies in the box 5,5,5,6,6,6; check its corners"
+    )
+
+
+# --- the floor of the survey ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("share", [1.5, 4.0])
+def test_a_wall_larger_than_the_floor_is_not_the_floor(share):
+    points, normals = Stair(n_steps=6, floor_depth=1.2, noise=0.001).sample()
+    rng = np.random.default_rng(5)
+    n = int(share * 1.2 / 0.02 * 1.0 / 0.02)
+    wall = np.column_stack([rng.uniform(-1.2, 2.0, n), np.full(n, 1.001), rng.uniform(0.0, 2.6, n)])
+    up = up_of(np.concatenate([points, wall]), np.concatenate([normals, np.tile([0.0, 1.0, 0.0], (n, 1))]))
+    assert degrees_between(up.vector, np.array([0.0, 0.0, 1.0])) < 0.5

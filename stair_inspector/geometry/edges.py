@@ -1,0 +1,375 @@
+"""Where does a surface end? Straight edges of sampled surfaces, by integrals of density and by adjoining faces.
+
+Coordinates of an edge: ``out`` square to it, away from the surface; ``along`` parallel to it; ``offset`` the signed
+distance from the surface's plane. Metres throughout.
+"""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from stair_inspector.geometry.arrays import Floats
+
+Half = Literal["all", "above", "below"]
+Side = Literal["above", "below"]
+
+_BIN_M = 0.08
+_BIN_SPACINGS = 8.0
+_FEWEST_BINS, _MOST_BINS = 2, 16
+_PER_COLUMN = 5.0
+"""Points that a column of a piece of the surface should hold, lest it be empty by chance."""
+_INNER_M = 0.06
+"""Strip behind the edge in which the density of the surface is taken."""
+_OUTER_M = 0.12
+"""How far outside the first guess an edge is looked for."""
+_LEAST_INNER = 6
+"""Pieces of an edge behind which fewer points lie are hidden by an obstacle and say nothing about it."""
+_HALF = 0.5
+_HOLE, _SHADOW = 0.6, 0.4
+_TUKEY = 4.685
+_ROUNDS = 20
+_FEWEST_FOR_SCATTER = 3.5
+_FACE_ROUNDS = 12
+_SETTLED_M = 2e-6
+"""Rounds end when an edge moves by less: a hundredth of what the best scanner can tell."""
+_LEAST_FACE_POINTS = 12
+_LEAST_PER_BIN = 4
+_MAD_TO_SIGMA = 1.4826
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sampling:
+    """How a surface was sampled: noise across it (1 sigma), distance of neighbouring points, metres."""
+
+    sigma_m: float
+    spacing_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class EdgeLine:
+    """An edge as ``out = middle_m + slope * (along - along_m)``, with the evidence for it.
+
+    ``noise_m`` is the standard uncertainty of ``middle_m`` as the scatter along the edge shows it, ``slope_noise`` that
+    of the slope; ``support`` the share of the edge that was seen; ``purity`` the share of the points in which a face
+    was looked for that lie on it.
+    """
+
+    middle_m: float
+    slope: float
+    along_m: float
+    noise_m: float
+    slope_noise: float
+    support: float
+    source: Literal["tread", "face"]
+    purity: float = 1.0
+
+    def flipped(self) -> "EdgeLine":
+        """Return the same edge with ``out`` counted the other way."""
+        return dataclasses.replace(self, middle_m=-self.middle_m, slope=-self.slope)
+
+    def at(self, along_m: float) -> float:
+        """Return ``out`` at a place along the edge."""
+        return self.middle_m + self.slope * (along_m - self.along_m)
+
+    def noise_at(self, along_m: float) -> float:
+        """Return the standard uncertainty of :meth:`at`."""
+        return math.hypot(self.noise_m, self.slope_noise * (along_m - self.along_m))
+
+
+@dataclass(frozen=True, slots=True)
+class RobustLine:
+    """A line ``y = middle + slope * (x - x_middle)`` and the standard uncertainties of its two parameters."""
+
+    middle: float
+    slope: float
+    x_middle: float
+    middle_noise: float
+    slope_noise: float
+
+
+def fit_line_robust(x: Floats, y: Floats, sigma: Floats, is_level: bool = False) -> RobustLine | None:
+    """Fit a line to few points of which some are wrong: median of slopes, then Tukey's biweight.
+
+    Parameters
+    ----------
+    x, y : (n,)
+        At least two different x.
+    sigma : (n,)
+        Expected standard uncertainty of each y, positive: the smaller, the more a point counts. The scatter about the
+        line replaces it where that is larger, and where the points are too few to have a scatter it stands.
+    is_level : bool
+        Whether the slope is known to be zero.
+
+    Returns
+    -------
+    RobustLine or None
+        None for fewer than two points, or all at one x.
+
+    References
+    ----------
+    .. [1] Beaton, Tukey: The fitting of power series, Technometrics 16, 1974, for the weights.
+    """
+    n = len(x)
+    if n < 2 or np.ptp(x) == 0.0:
+        return None
+    i, j = np.triu_indices(n, 1)
+    apart = np.abs(x[j] - x[i]) > 0.1 * np.ptp(x)
+    slope = 0.0 if is_level else _median((y[j] - y[i])[apart] / (x[j] - x[i])[apart])
+    # A piece that seems ten times as exact as the usual one is not trusted ten times as much.
+    weight = 1.0 / np.maximum(sigma, 0.5 * _median(sigma)) ** 2
+    residual = y - slope * x
+    residual -= _median(residual)
+    robust = np.ones(n)
+    middle = x_middle = 0.0
+    previous, span = math.inf, float(np.ptp(x))
+    for _ in range(_ROUNDS):
+        spread_of = _MAD_TO_SIGMA * _median(np.abs(residual))
+        scaled = residual / (_TUKEY * np.maximum(spread_of, sigma))
+        robust = np.where(np.abs(scaled) < 1.0, (1.0 - scaled**2) ** 2, 0.0) * weight
+        if np.count_nonzero(robust) < 2:
+            robust = weight
+        total = robust.sum()
+        x_middle = float(robust @ x / total)
+        middle = float(robust @ y / total)
+        spread = float(robust @ (x - x_middle) ** 2)
+        if spread <= 0.0:
+            return None
+        slope_new = 0.0 if is_level else float(robust @ ((x - x_middle) * (y - middle)) / spread)
+        residual = y - middle - slope_new * (x - x_middle)
+        moved = abs(slope_new - slope) * span + abs(middle - previous)
+        slope, previous = slope_new, middle
+        if moved <= _SETTLED_M:
+            break
+    share = robust / total
+    effective = 1.0 / float(share @ share)
+    expected = float(share**2 @ sigma**2)
+    scatter = 0.0
+    if effective > _FEWEST_FOR_SCATTER:
+        scatter = float(share @ residual**2) / (effective - 2.0)
+    noise = math.sqrt(max(expected, scatter))
+    slope_noise = 0.0 if is_level else noise / math.sqrt(spread / total)
+    return RobustLine(middle, slope_new, x_middle, noise, slope_noise)
+
+
+def find_extent_edge(
+    out: Floats,
+    along: Floats,
+    offset: Floats,
+    span: tuple[float, float],
+    guess_m: float,
+    sampling: Sampling,
+    half: Half,
+    is_square: bool = False,
+) -> EdgeLine | None:
+    """Find an edge from where the points of the surface end.
+
+    Parameters
+    ----------
+    out, along, offset : (n,)
+        Points near the surface's plane and near the edge; others do no harm but cost time.
+    span : (low, high)
+        Range along the edge.
+    guess_m : float
+        First guess of the edge, not farther outside than 60 mm.
+    sampling : Sampling
+        Noise and spacing of the surface.
+    half : {"all", "above", "below"}
+        Which side of the plane to use: where a face goes down from the edge its points lie below the plane, so that
+        only those above it belong to the surface for certain, and the reverse at the foot of a wall.
+    is_square : bool
+        Whether the edge is known to run along ``along``, without a slope.
+
+    Returns
+    -------
+    EdgeLine or None
+        None where too little of the edge was seen.
+
+    Notes
+    -----
+    In each piece along the edge: the number of points beyond a line well inside the surface, over the density of the
+    surface behind that line, is the distance of the edge from the line. Symmetric noise does not move it, since it only
+    carries points to and fro, and stray points matter by their number and not by how far they stray.
+    """
+    is_half = np.ones(len(out), dtype=np.bool_)
+    if half == "above":
+        is_half = offset > 0.0
+    elif half == "below":
+        is_half = offset < 0.0
+    low, high = span
+    n_bins = _count_bins(span, sampling)
+    inside = is_half & (along > low) & (along < high) & (out > guess_m - 2.0 * _INNER_M) & (out < guess_m + _OUTER_M)
+    out, piece = out[inside], ((along[inside] - low) / (high - low) * n_bins).astype(np.int64)
+    # Half of the surface's points are used where there is a face.
+    per_column = _PER_COLUMN * (1.0 if half == "all" else 2.0)
+    fine_m = max(0.002, sampling.spacing_m, per_column * sampling.spacing_m**2 * n_bins / (high - low))
+    fine_m = min(fine_m, _INNER_M / 2.0)
+    n_fine = int((2.0 * _INNER_M + _OUTER_M) / fine_m) + 1
+    column = ((out - guess_m + 2.0 * _INNER_M) / fine_m).astype(np.int64)
+    counts = np.bincount(piece * n_fine + column, minlength=n_bins * n_fine).reshape(n_bins, n_fine).astype(np.float64)
+    n_inner = max(2, int(_INNER_M / fine_m))
+    # The shadow of a rail runs all along the edge: told by all pieces together, where chance evens out.
+    profile = counts.sum(axis=0)
+    is_whole = profile >= _SHADOW * np.percentile(profile[: 2 * n_inner], 75.0)
+    is_whole[:n_inner] |= not is_whole[:n_inner].any()
+    density = counts[:, :n_inner][:, is_whole[:n_inner]].mean(axis=1)
+    if not density.any():
+        return None
+    # Strips of two and three columns: one alone may be empty by chance.
+    smooth = counts.copy()
+    smooth[:, 1:-1] = (counts[:, :-2] + counts[:, 1:-1] + counts[:, 2:]) / 3.0
+    is_on = smooth >= _HALF * density[:, None]
+    is_on[:, :n_inner] = True
+    # The outermost pair of filled columns: a hole nearer by, or the shadow of a rail, is not the edge.
+    pairs = is_on[:, :-1] & is_on[:, 1:]
+    coarse = n_fine - np.argmax(pairs[:, ::-1], axis=1)
+    edges, places, sigmas = [], [], []
+    reach = max(2.0 * fine_m, 3.0 * sampling.sigma_m)
+    n_reach = math.ceil(reach / fine_m)
+    for k in range(n_bins):
+        # An edge that is never reached, or lies where the first guess would have to be far too large, is none.
+        if density[k] * n_inner < _LEAST_INNER or coarse[k] >= n_fine - 1:
+            continue
+        inner_stop = max(2, int(coarse[k]) - n_reach)
+        inner = slice(max(0, inner_stop - n_inner), inner_stop)
+        rho = float(counts[k, inner][is_whole[inner]].mean()) if is_whole[inner].any() else 0.0
+        if rho < _HOLE * density[k]:
+            # A hole lies there; farther inside the surface is whole.
+            rho = float(density[k])
+        outer = counts[k, inner_stop : min(n_fine, int(coarse[k]) + n_reach + 1)]
+        edges.append(guess_m - 2.0 * _INNER_M + fine_m * (inner_stop + float(outer.sum()) / rho))
+        places.append(low + (k + 0.5) / n_bins * (high - low))
+        # Counts scatter like those of a Poisson process or less. Expected ones, from inside: by the counts at the edge
+        # itself, pieces that hold few by chance would seem the surer ones.
+        beyond = n_reach * float(density[k])
+        sigmas.append(fine_m * math.sqrt(max(beyond, 1.0) * (1.0 + n_reach / n_inner)) / float(density[k]))
+    line = fit_line_robust(np.array(places), np.array(edges), np.array(sigmas), is_square) if len(edges) >= 2 else None
+    if line is None:
+        return None
+    return EdgeLine(
+        line.middle, line.slope, line.x_middle, line.middle_noise, line.slope_noise, len(edges) / n_bins, "tread"
+    )
+
+
+def find_face_edge(
+    out: Floats,
+    along: Floats,
+    offset: Floats,
+    span: tuple[float, float],
+    guess: tuple[float, float],
+    reach_m: float,
+    heights: tuple[float, float],
+    sampling: Sampling,
+    is_square: bool = False,
+) -> EdgeLine | None:
+    """Find an edge from the upright face that meets the surface there.
+
+    Parameters
+    ----------
+    out, along, offset : (n,)
+        Points near the edge.
+    span : (low, high)
+        Range along the edge.
+    guess : (middle, slope)
+        First guess of the edge: ``out`` at the middle of the span, and its slope along the edge.
+    reach_m : float
+        The face is looked for within this distance of the guess.
+    heights : (near, far)
+        Signed distances from the plane between which the face is looked for: negative for a face that goes down.
+    sampling : Sampling
+        Noise and spacing of the surface.
+    is_square : bool
+        Whether the edge is known to run along ``along``, without a slope.
+
+    Returns
+    -------
+    EdgeLine or None
+        None where no face is seen.
+
+    Notes
+    -----
+    Noise carries points of the surface itself into the band of the face, and just as many into the band's mirror image
+    on the other side of the plane, where there is no face: those are subtracted.
+    """
+    low, high = span
+    near, far = sorted(heights, key=abs)
+    size = math.copysign(1.0, far) * offset
+    middle_along = (low + high) / 2.0
+    # Relative to the guess, so that a slanting edge is upright here.
+    out = out - guess[0] - guess[1] * (along - middle_along)
+    within = (along > low) & (along < high) & (np.abs(out) <= reach_m)
+    is_face = within & (size >= abs(near)) & (size <= abs(far))
+    is_mirror = within & (-size >= abs(near)) & (-size <= abs(far))
+    places = np.concatenate([along[is_face], along[is_mirror]])
+    values = np.concatenate([out[is_face], out[is_mirror]])
+    sign = np.concatenate([np.ones(np.count_nonzero(is_face)), -np.ones(np.count_nonzero(is_mirror))])
+    if sign.sum() < _LEAST_FACE_POINTS:
+        return None
+    n_bins = _count_bins(span, sampling)
+    width = max(2.5 * sampling.sigma_m, 0.004)
+    start = _mode(values, sign, width, reach_m)
+    slope = 0.0
+    line: RobustLine | None = None
+    used = 0
+    for _ in range(_FACE_ROUNDS):
+        residual = values - start - slope * (places - middle_along)
+        is_near = np.abs(residual) <= width
+        piece = ((places[is_near] - low) / (high - low) * n_bins).astype(np.int64).clip(0, n_bins - 1)
+        mass = np.bincount(piece, sign[is_near], n_bins)
+        gross = np.bincount(piece, minlength=n_bins)
+        keep = (mass >= _LEAST_PER_BIN) & (mass >= 0.3 * gross)
+        used = int(np.count_nonzero(keep))
+        if used < 2:
+            return None
+        mean = np.bincount(piece, sign[is_near] * residual[is_near], n_bins)[keep] / mass[keep]
+        centre = np.bincount(piece, sign[is_near] * places[is_near], n_bins)[keep] / mass[keep]
+        mean += start + slope * (centre - middle_along)
+        spread = np.bincount(piece, sign[is_near] * residual[is_near] ** 2, n_bins)[keep] / mass[keep]
+        # The spread of an even distribution over the window is the most that noise can do.
+        spread = np.clip(spread - (mean - start - slope * (centre - middle_along)) ** 2, 1e-10, width**2 / 3.0)
+        sigma = np.sqrt(spread * gross[keep]) / mass[keep]
+        line = fit_line_robust(centre, mean, sigma, is_square)
+        if line is None:
+            return None
+        moved = line.middle + line.slope * (middle_along - line.x_middle) - start
+        start += moved
+        slope = line.slope
+        if abs(moved) < _SETTLED_M:
+            break
+    if line is None:
+        return None
+    middle = line.middle + guess[0] + guess[1] * (line.x_middle - middle_along)
+    return EdgeLine(
+        middle,
+        line.slope + guess[1],
+        line.x_middle,
+        line.middle_noise,
+        line.slope_noise,
+        used / n_bins,
+        "face",
+        float(mass.sum() / sign.sum()),
+    )
+
+
+def _count_bins(span: tuple[float, float], sampling: Sampling) -> int:
+    """Return into how many pieces an edge is cut."""
+    length_m = span[1] - span[0]
+    return int(np.clip(length_m / max(_BIN_M, _BIN_SPACINGS * sampling.spacing_m), _FEWEST_BINS, _MOST_BINS))
+
+
+def _median(values: Floats) -> float:
+    """Return the median of few values; numpy's takes thirty times as long to begin."""
+    ordered = np.sort(values)
+    n = len(ordered)
+    return 0.5 * float(ordered[(n - 1) // 2] + ordered[n // 2])
+
+
+def _mode(values: Floats, sign: Floats, width: float, reach_m: float) -> float:
+    """Return the place with most points within half a width, those of the mirror image subtracted."""
+    n = max(3, int(2.0 * reach_m / (0.25 * width)))
+    bins = ((values + reach_m) / (2.0 * reach_m) * n).astype(np.int64).clip(0, n - 1)
+    counts = np.bincount(bins, sign, n)
+    smooth = np.convolve(counts, np.ones(4), mode="same")
+    return -reach_m + (int(np.argmax(smooth)) + 0.5) / n * 2.0 * reach_m

@@ -1,0 +1,676 @@
+"""Where are the nosing, the back and the sides of every step? Edges from treads and from the faces that meet them."""
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stair_inspector.geometry.arrays import Bools, Floats, freeze, project
+from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_extent_edge, find_face_edge
+from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
+from stair_inspector.params import SurveyParams
+from stair_inspector.stages.flights import angle_deg, turn_deg
+from stair_inspector.stages.patches import fit_trimmed
+
+_FACE_NEAR_SIGMA = 2.2
+_FACE_NEAR_M = 0.003
+_FACE_FAR_M = 0.032
+_FACE_BAND_M = 0.012
+"""A nosing's face is looked for from below its tread's noise down to 32 mm, or 12 mm farther than the noise."""
+_FACE_REACH_M = 0.012
+_RISER_REACH_M = 0.055
+_RISER_BEHIND_M = 0.035
+"""A riser face lies from 20 mm in front of the nosing above it to 90 mm behind: half width and middle of the search."""
+_SLAB_M = 0.05
+"""So much below a nosing its own front may stand before the riser."""
+_DEEPEST_OVERHANG_M = 0.06
+_BESIDE_M = 0.15
+_STRAIGHT_ON_DEG = 10.0
+_WINDING_DEG = 8.0
+"""A flight winds where its direction turns by more from step to step; the edges of patches are that uncertain."""
+_STRIP_M = 0.6
+_MOST_TO_FIT = 30_000
+_MOST_NEAR = 60_000
+"""Points beyond which a step's plane and edges become no better, only slower."""
+_OBSTRUCTED_M = 0.015
+_OBSTACLE_INSIDE_M, _OBSTACLE_OUTSIDE_M = 0.03, 0.14
+_OBSTACLE_LOW_M, _OBSTACLE_SIGMA = 0.02, 5.0
+_FEWEST_OF_OBSTACLE = 8
+_LEAST_SUPPORT = 0.55
+_LEAST_PURITY = 0.6
+"""A riser hides what lies behind it: where most points in its place lie elsewhere, there is none."""
+_FEWEST_FOR_SIDES = 3
+_SIDE_DIFFERS_M = 0.05
+_STRIP_NEAR_M, _STRIP_FAR_M = 0.006, 0.045
+"""Strip of a tread behind its nosing in which the nosing's height is taken: behind a rounded edge, on a strip."""
+_STRIP_STEP_M = 0.006
+_STRIP_MISFIT = 0.25
+_STRIP_SIGMAS, _LEAST_ODD_M = 3.0, 0.005
+_FEWEST_IN_STRIP = 10
+_MEDIAN_NOISE = 1.25
+_FEWEST_FOR_SIDES = 3
+_SIDE_DIFFERS_M = 0.05
+_UNSEEN_M, _UNSEEN_SLOPE = 0.03, 0.02
+_INSET_M = 0.03
+_BLOCK_M = 0.08
+_FINE_M = 0.02
+_FLOOR_STRIP_M = 0.8
+_NOISY_M = 0.004
+_REFIT_GROWTH = 1.5
+_REFIT_ROUNDS, _REFIT_SIGMA, _FEWEST_TO_REFIT = 8, 4.0, 50
+_MAD_TO_SIGMA = 1.4826
+_LEAST_SIGMA_M = 1e-4
+_BAND_SIGMA = 3.0
+_LEAST_BAND_M = 0.002
+_FACE_AGREES_M, _AGREE_SIGMAS = 0.006, 4.0
+_FACE_INSIDE_M, _FACE_ROWS = 0.004, 2.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Near:
+    """Points near one step, in its frame: ``s`` along the climb, ``w`` to the left, ``r`` above its plane; metres."""
+
+    s: Floats
+    w: Floats
+    r: Floats
+
+    def taken(self, mask: Bools) -> "_Near":
+        return _Near(self.s[mask], self.w[mask], self.r[mask])
+
+
+def find_shapes(
+    heights: HeightOrder, horizontal: Horizontal, patches: Patches, chains: Chains, params: SurveyParams
+) -> tuple[tuple[StepShape, ...], ...]:
+    """Find the plane and the edges of every step.
+
+    Parameters
+    ----------
+    heights : HeightOrder
+        All points, sorted by height: near an edge, where normals are spoilt, a tread's points count as well.
+    horizontal, patches, chains
+        Of the same scan.
+    params : SurveyParams
+        Evidence and tolerance.
+
+    Returns
+    -------
+    tuple of tuple of StepShape
+        For each chain its steps from bottom to top; level frame.
+    """
+    shapes: dict[int, tuple[StepShape, ...]] = {}
+    # From the top, because the back of a landing is looked for near the flight that begins there.
+    for number in range(len(chains.chains) - 1, -1, -1):
+        chain = chains.chains[number]
+        after = flight_after(chains, number)
+        above = None if after is None else shapes[after][0]
+        shapes[number] = _shapes_of(heights, horizontal, patches, chain, above, params)
+    return tuple(shapes[number] for number in range(len(chains.chains)))
+
+
+def flight_after(chains: Chains, number: int) -> int | None:
+    """Return the number of the flight that goes straight on from the landing at the end of a flight, or None."""
+    chain = chains.chains[number]
+    for later in range(number + 1, len(chains.chains)):
+        other = chains.chains[later]
+        if other.base == chain.steps[-1] and angle_deg(other.climbs[-1], chain.climbs[-1]) <= _STRAIGHT_ON_DEG:
+            return later
+    return None
+
+
+def straight_climb(chain: Chain) -> Floats | None:
+    """Return the common direction of climb of a chain, (2,), or None where it winds."""
+    # The edge on the floor may run all around the lowest tread.
+    inner = chain.climbs[1:] if len(chain.climbs) > 2 and chain.base is not None else chain.climbs
+    middle: Floats = np.median(inner, axis=0)
+    middle /= np.hypot(*middle)
+    turns = [turn_deg(a, b) for a, b in itertools.pairwise(inner)]
+    # One edge that is seen badly turns there and back again; a winding flight goes on turning the same way.
+    sharp = [turn for turn in turns if abs(turn) > _WINDING_DEG]
+    left, right = [turn for turn in sharp if turn > 0.0], [turn for turn in sharp if turn < 0.0]
+    is_winding = max(len(left), len(right)) >= 2 and abs(sum(sharp)) > 2.0 * _WINDING_DEG
+    return None if is_winding else middle
+
+
+def _shapes_of(
+    heights: HeightOrder,
+    horizontal: Horizontal,
+    patches: Patches,
+    chain: Chain,
+    above: StepShape | None,
+    params: SurveyParams,
+) -> tuple[StepShape, ...]:
+    common = straight_climb(chain)
+    shapes: list[StepShape] = []
+    # From the top, because the back of a step is looked for near the nosing above it.
+    for k in range(len(chain.steps) - 1, -1, -1):
+        climb = chain.climbs[k] if common is None else common
+        is_last_below_gap = k + 1 < len(chain.steps) and chain.n_missing[k + 1] > 0
+        above = None if is_last_below_gap else above
+        shape = _shape(heights, horizontal, patches, chain, k, climb, above, common is not None, params)
+        shapes.append(shape)
+        above = shape
+    shapes = _with_doubtful_fronts(shapes[::-1])
+    return tuple(shapes if common is None else _with_common_sides(shapes, common))
+
+
+def _with_doubtful_fronts(shapes: list[StepShape]) -> list[StepShape]:
+    """Doubt every nosing that is known by the end of its tread alone where those of most steps show their faces.
+
+    The same scanner would have seen this one's too: something hides it, and the tread may go on behind that.
+    """
+    if 2 * sum(shape.front.source == "face" for shape in shapes) <= len(shapes):
+        return shapes
+    return [
+        shape
+        if shape.front.source == "face"
+        else replace(
+            shape,
+            front=replace(shape.front, noise_m=math.hypot(shape.front.noise_m, _UNSEEN_M), support=0.0),
+        )
+        for shape in shapes
+    ]
+
+
+def _with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]:
+    """Compare every step's sides with those of its flight.
+
+    A side that lies inside the others', and of which no face is seen, may be the rim of a shadow: its uncertainty grows
+    until it reaches the others. Its value stays: a step may be narrower.
+    """
+    if len(shapes) < _FEWEST_FOR_SIDES:
+        return shapes
+    across = np.array([-climb[1], climb[0]])
+    origins = [float(shape.origin_m @ across) for shape in shapes]
+    lefts = [origin + shape.left.middle_m for origin, shape in zip(origins, shapes, strict=True)]
+    rights = [origin + shape.right.middle_m for origin, shape in zip(origins, shapes, strict=True)]
+    left, right = float(np.median(lefts)), float(np.median(rights))
+    result = []
+    for shape, origin in zip(shapes, origins, strict=True):
+        hidden_left, hidden_right = left - origin - shape.left.middle_m, shape.right.middle_m - (right - origin)
+        changes: dict[str, EdgeLine] = {}
+        for name, hidden in (("left", hidden_left), ("right", hidden_right)):
+            edge: EdgeLine = getattr(shape, name)
+            if hidden > _SIDE_DIFFERS_M + 4.0 * edge.noise_m and edge.source == "tread":
+                changes[name] = replace(edge, noise_m=math.hypot(edge.noise_m, hidden / 2.0), support=0.0)
+        low, high = shape.line_range
+        if abs(hidden_left) > _SIDE_DIFFERS_M:
+            high = left - origin
+        if abs(hidden_right) > _SIDE_DIFFERS_M:
+            low = right - origin
+        result.append(replace(shape, left=changes.get("left", shape.left), right=changes.get("right", shape.right)))
+        result[-1] = replace(result[-1], line_range=(low, high))
+    return result
+
+
+def _shape(
+    heights: HeightOrder,
+    horizontal: Horizontal,
+    patches: Patches,
+    chain: Chain,
+    k: int,
+    climb: Floats,
+    above: StepShape | None,
+    is_straight: bool,
+    params: SurveyParams,
+) -> StepShape:
+    number = chain.steps[k]
+    surface = patches.surfaces[number]
+    left = np.array([-climb[1], climb[0]])
+    origin = chain.middles[k]
+    if k == 0 and chain.base is None:
+        # Nothing lies below: the patch's own front is all there is.
+        origin = surface.cells_m.mean(axis=1)
+    s, w = climb @ (surface.cells_m - origin[:, None]), left @ (surface.cells_m - origin[:, None])
+    front = _front_of(s, w, chain.lengths_m[k])
+    is_strip = s <= front + _STRIP_M
+    w_low, w_high = (float(value) for value in np.percentile(w[is_strip], [1.0, 99.0]))
+    # Between the quarters of the width: a floor next door at the same height must not make a tread deeper.
+    inner = (w >= w_low + 0.25 * (w_high - w_low)) & (w <= w_high - 0.25 * (w_high - w_low))
+    s_high = float(np.percentile(s[inner] if inner.any() else s, 98.0))
+    s_high = max(s_high, front + 2.0 * patches.cell_m)
+    extent = (front, s_high, w_low, w_high)
+    z0 = float(surface.centre_m[2] + surface.slope @ (origin - surface.centre_m[:2]))
+    rough = (z0, float(surface.slope @ climb), float(surface.slope @ left))
+    plane = _fit_local(horizontal, surface, origin, climb, extent, rough)
+    band_m = params.band_m or max(_BAND_SIGMA * plane.sigma_m, _LEAST_BAND_M)
+    rise_above_m, reach = 0.0, extent
+    if above is not None:
+        s_above, w_above = _shape_frame(origin, climb, above.to_plan(above.front.middle_m, 0.0))
+        rise_above_m = above.plane.z0_m - plane.at(s_above, w_above)
+        # The riser may lie beyond what was seen of the tread.
+        reach = (front, max(s_high, s_above), w_low, w_high)
+    near, stride = _gather(heights, origin, climb, reach, plane, max(rise_above_m, 0.1))
+    plane = replace(plane, spacing_m=plane.spacing_m * math.sqrt(stride))
+    if plane.sigma_m > _NOISY_M:
+        plane, near = _refit(near, plane, extent)
+    sampling = Sampling(plane.sigma_m, plane.spacing_m)
+    finder = _Finder(near, sampling, band_m, params)
+    half_m = chain.lengths_m[k] / 2.0
+    is_wide = w_high - w_low > 1.5 * chain.lengths_m[k]
+    front_span = (-half_m, half_m) if is_wide and not (k == 0 and chain.base is None) else (w_low, w_high)
+    found = finder.edge(-near.s, near.w, _inset(front_span), -front, is_foot=False)
+    nosing = _guessed(front, front_span) if found is None else found.flipped()
+    start = nosing.middle_m
+    side_span = _inset((start, min(s_high, start + _STRIP_M)))
+    to_left = finder.edge(near.w, near.s, side_span, w_high, is_square=is_straight)
+    to_right = finder.edge(-near.w, near.s, side_span, -w_low, is_square=is_straight)
+    shape = StepShape(
+        surface=number,
+        origin_m=origin,
+        climb=climb,
+        plane=plane,
+        extent=extent,
+        front=nosing,
+        back=None,
+        left=to_left or _guessed(w_high, side_span),
+        right=_guessed(w_low, side_span) if to_right is None else to_right.flipped(),
+        foot=None
+        if k or chain.base is None
+        else _find_foot(horizontal, patches.surfaces[chain.base], origin, climb, extent),
+        back_limits=None,
+        coverage=0.0,
+        line_range=(0.0, 0.0),
+        nosing_offsets=(0.0, 0.0, 0.0),
+        nosing_noise=(0.0, 0.0, 0.0),
+    )
+    shape = replace(shape, line_range=(shape.right.at(start), shape.left.at(start)))
+    shape = _with_nosing_heights(shape, near, band_m)
+    shape = _with_back(shape, finder, above, rise_above_m)
+    return replace(shape, coverage=_coverage(shape, near, band_m))
+
+
+def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float) -> StepShape:
+    """Measure how high the surface lies at its nosing above its plane, on the left, in the centre and on the right.
+
+    The plane and the strip behind the nosing are weighed by what is known of them: the strip counts by the share of the
+    surface's own departure from the plane in the sum of that and the strip's noise.
+    """
+    low, high = shape.line_range
+    plane = shape.plane
+    back = near.s - shape.front.at(0.0) - shape.front.slope * near.w
+    # The noisier and the sparser the points, the farther from the edge before they are the tread's for certain.
+    start_m = max(_STRIP_NEAR_M, 1.5 * plane.spacing_m, 2.0 * plane.sigma_m)
+    stop_m = start_m + _STRIP_FAR_M - _STRIP_NEAR_M
+    is_strip = (back >= start_m) & (back <= stop_m) & (np.abs(near.r) <= band_m + _STRIP_STEP_M)
+    w, r = near.w[is_strip], near.r[is_strip]
+    offsets, noises = [], []
+    for start, stop in ((2.0 / 3.0, 1.0), (1.0 / 3.0, 2.0 / 3.0), (0.0, 1.0 / 3.0)):
+        mine = r[(w >= low + start * (high - low)) & (w <= low + stop * (high - low))]
+        s_m, w_m = shape.front.middle_m, low + (start + stop) / 2.0 * (high - low)
+        by_plane = plane.noise_at(s_m, w_m)
+        if len(mine) < _FEWEST_IN_STRIP:
+            offsets.append(0.0)
+            noises.append(math.hypot(by_plane, plane.misfit_m))
+            continue
+        by_strip = _MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(mine))
+        offset_m = float(np.median(mine))
+        share = plane.misfit_m**2 / (plane.misfit_m**2 + by_strip**2)
+        # A strip far off what is usual on this surface is spoilt by the edge, not part of the tread.
+        if abs(offset_m) > max(_LEAST_ODD_M, _STRIP_SIGMAS * (plane.misfit_m + by_strip)):
+            share = 0.0
+            by_plane = math.hypot(by_plane, plane.misfit_m)
+        offsets.append(share * offset_m)
+        # Between the strip and the nosing itself the surface may depart from its plane some more.
+        beyond = _STRIP_MISFIT * share * plane.misfit_m
+        noises.append(math.sqrt((1.0 - share) * by_plane**2 + share * by_strip**2 + beyond**2))
+    return replace(
+        shape,
+        nosing_offsets=(offsets[0], offsets[1], offsets[2]),
+        nosing_noise=(noises[0], noises[1], noises[2]),
+    )
+
+
+def _guessed(place_m: float, span: tuple[float, float]) -> EdgeLine:
+    """Return an edge of which only the patch's rim is known: its uncertainty is large, not absent."""
+    return EdgeLine(place_m, 0.0, sum(span) / 2.0, _UNSEEN_M, _UNSEEN_SLOPE, 0.0, "tread")
+
+
+def _shape_frame(origin: Floats, climb: Floats, plan: Floats) -> tuple[float, float]:
+    shift = plan - origin
+    return float(shift @ climb), float(shift[1] * climb[0] - shift[0] * climb[1])
+
+
+def _front_of(s: Floats, w: Floats, length_m: float) -> float:
+    """Return where a patch begins over the middle of its front edge."""
+    is_middle = np.abs(w) <= 0.4 * length_m
+    return float(np.percentile(s[is_middle] if is_middle.any() else s, 2.0))
+
+
+def _inset(span: tuple[float, float]) -> tuple[float, float]:
+    """Leave out the ends of an edge, where other edges meet it."""
+    inset = min(_INSET_M, 0.15 * (span[1] - span[0]))
+    return span[0] + inset, span[1] - inset
+
+
+def _fit_local(
+    horizontal: Horizontal,
+    surface: Surface,
+    origin: Floats,
+    climb: Floats,
+    extent: tuple[float, float, float, float],
+    rough: tuple[float, float, float],
+) -> LocalPlane:
+    """Fit the plane of a surface within an extent of a step's frame, from its upright points.
+
+    ``rough`` is the patch's own plane: height at the origin and the two slopes. For a tread it is the plane; of a floor
+    or landing only the part near the edge counts, which may lean otherwise than the whole.
+    """
+    left = np.array([-climb[1], climb[0]])
+    # Tens of thousands of points give a plane as well as hundreds of thousands.
+    stride = -(-len(surface.rows) // _MOST_TO_FIT)
+    rows = horizontal.coordinates_m[:, surface.rows[::stride]]
+    plan = rows[:2] - origin[:, None]
+    s, w = project(plan, climb), project(plan, left)
+    s_low, s_high, w_low, w_high = extent
+    if float(s.max()) - s_low <= _STRIP_M:
+        return _plane_of(s, w, rows[2], rough, stride)
+    within = (s >= s_low) & (s <= min(s_high, s_low + _STRIP_M)) & (w >= w_low) & (w <= w_high)
+    if np.count_nonzero(within) < 10:
+        within = np.ones(len(s), dtype=np.bool_)
+    s, w, z = s[within], w[within], rows[2][within]
+    blocks, counts = _block_means(s, w, z, _FINE_M)
+    full = blocks[:, counts >= 0.3 * np.median(counts)]
+    slope, centre, _ = fit_trimmed(full)
+    z0 = float(centre[2] - slope @ centre[:2])
+    return _plane_of(s, w, z, (z0, float(slope[0]), float(slope[1])), stride)
+
+
+def _refit(near: _Near, plane: LocalPlane, extent: tuple[float, float, float, float]) -> tuple[LocalPlane, _Near]:
+    """Fit the plane again to all points well inside the surface, whatever their normals, and measure from it.
+
+    The points that noise has carried farthest off a surface have the most slanting normals: without them the noise
+    seems too small, and where they are missing on one side only, the plane leans.
+    """
+    s_low, s_high, w_low, w_high = extent
+    s_high = min(s_high, s_low + _STRIP_M)
+    inset_s, inset_w = 0.15 * (s_high - s_low), 0.08 * (w_high - w_low)
+    inside = (near.s >= s_low + inset_s) & (near.s <= s_high - inset_s)
+    inside &= (near.w >= w_low + inset_w) & (near.w <= w_high - inset_w)
+    sigma_m = plane.sigma_m
+    for _ in range(_REFIT_ROUNDS):
+        chosen = inside & (np.abs(near.r) <= _REFIT_SIGMA * sigma_m)
+        if np.count_nonzero(chosen) < _FEWEST_TO_REFIT:
+            return plane, near
+        wider = _MAD_TO_SIGMA * float(np.median(np.abs(near.r[chosen])))
+        if wider <= 1.02 * sigma_m:
+            break
+        sigma_m = wider
+        if sigma_m > _REFIT_GROWTH * plane.sigma_m:
+            # That is not the surface's noise but something that stands on it.
+            return plane, near
+    s, w, r = near.s[chosen], near.w[chosen], near.r[chosen]
+    blocks, counts = _block_means(s, w, r, _FINE_M)
+    slope, centre, _ = fit_trimmed(blocks[:, counts >= 0.3 * np.median(counts)])
+    z0 = float(centre[2] - slope @ centre[:2])
+    offsets = r + plane.z0_m + plane.slope[0] * s + plane.slope[1] * w
+    numbers = (plane.z0_m + z0, plane.slope[0] + float(slope[0]), plane.slope[1] + float(slope[1]))
+    better = _plane_of(s, w, offsets, numbers)
+    r = near.r - z0 - slope[0] * near.s - slope[1] * near.w
+    return better, _Near(near.s, near.w, r)
+
+
+def _plane_of(s: Floats, w: Floats, z: Floats, numbers: tuple[float, float, float], stride: int = 1) -> LocalPlane:
+    """Return a plane with its noise, spacing, misfit and covariance, from every ``stride``-th of its points."""
+    z0, slope = numbers[0], numbers[1:]
+    residual = z - z0 - slope[0] * s - slope[1] * w
+    sigma_m = max(_MAD_TO_SIGMA * float(np.median(np.abs(residual - np.median(residual)))), _LEAST_SIGMA_M)
+    kept = np.abs(residual) <= 4.0 * sigma_m
+    large, _ = _block_means(s[kept], w[kept], residual[kept], _BLOCK_M, minimum=3)
+    _, fine_counts = _block_means(s[kept], w[kept], residual[kept], _FINE_M)
+    # Cells on the rim are only partly on the surface: the usual cell tells the spacing.
+    per_cell = stride * float(np.median(fine_counts)) if fine_counts.size else 1.0
+    spacing_m = _FINE_M / math.sqrt(per_cell)
+    n_kept = int(np.count_nonzero(kept))
+    covariance = _covariance(large, sigma_m, n_kept, s, w)
+    scatter = float(np.var(large[2])) if large.shape[1] else 0.0
+    misfit_m = math.sqrt(max(0.0, scatter - sigma_m**2 * large.shape[1] / max(n_kept, 1)))
+    return LocalPlane(z0, slope, freeze(covariance), sigma_m, spacing_m, misfit_m, stride * n_kept)
+
+
+def _block_means(s: Floats, w: Floats, value: Floats, side_m: float, minimum: int = 1) -> tuple[Floats, Floats]:
+    """Return the means (3, b) of s, w and a value over square blocks, and the number of points of each."""
+    if not s.size:
+        return np.zeros((3, 0)), np.zeros(0)
+    column, row = np.floor(s / side_m).astype(np.int64), np.floor(w / side_m).astype(np.int64)
+    column -= column.min()
+    row -= row.min()
+    keys = column * (int(row.max()) + 1) + row
+    counts = np.bincount(keys).astype(np.float64)
+    chosen = counts >= minimum
+    means = np.stack([np.bincount(keys, axis)[chosen] / counts[chosen] for axis in (s, w, value)])
+    return means, counts[chosen]
+
+
+def _covariance(blocks: Floats, sigma_m: float, n: int, s: Floats, w: Floats) -> Floats:
+    """Return the covariance (3, 3) of a plane's constant and slopes from the scatter of block means."""
+    n_blocks = blocks.shape[1]
+    if n_blocks < 6:
+        # Too few blocks to tell: as if every block had the noise of a single point.
+        design = np.stack([np.ones(len(s)), s, w])
+        normal = np.einsum("in,jn->ij", design, design) * (max(n_blocks, 1) / max(len(s), 1))
+        rough: Floats = np.linalg.pinv(normal) * sigma_m**2
+        return rough
+    design = np.stack([np.ones(n_blocks), blocks[0], blocks[1]])
+    normal = np.einsum("in,jn->ij", design, design)
+    inverse = np.asarray(np.linalg.pinv(normal))
+    fit = inverse @ (design @ blocks[2])
+    left_over = blocks[2] - fit @ design
+    variance = float(left_over @ left_over) / (n_blocks - 3)
+    covariance: Floats = inverse * max(variance, sigma_m**2 * n_blocks / max(n, 1))
+    return covariance
+
+
+def _gather(
+    heights: HeightOrder,
+    origin: Floats,
+    climb: Floats,
+    extent: tuple[float, float, float, float],
+    plane: LocalPlane,
+    above_m: float,
+) -> tuple[_Near, int]:
+    """Return the points around a step, whatever their normals; of very many only every n-th, and n."""
+    s_low, s_high, w_low, w_high = extent
+    corners = [plane.at(s, w) for s in (s_low, min(s_high, s_low + 2.0)) for w in (w_low, w_high)]
+    margin = max(_FACE_FAR_M, (_FACE_NEAR_SIGMA * plane.sigma_m + _FACE_BAND_M), 4.0 * plane.sigma_m)
+    start = int(np.searchsorted(heights.coordinates_m[2], min(corners) - margin))
+    stop = int(np.searchsorted(heights.coordinates_m[2], max(corners) + above_m))
+    rows = heights.coordinates_m[:, start:stop]
+    x, y = rows[0] - origin[0], rows[1] - origin[1]
+    s = climb[0] * x + climb[1] * y
+    w = climb[0] * y - climb[1] * x
+    chosen = np.flatnonzero(
+        (s >= s_low - _BESIDE_M) & (s <= s_high + _BESIDE_M) & (w >= w_low - _BESIDE_M) & (w <= w_high + _BESIDE_M)
+    )
+    # In order of height, so that every second point is as good as a random half.
+    stride = -(-len(chosen) // _MOST_NEAR)
+    chosen = chosen[::stride]
+    s, w = s[chosen], w[chosen]
+    return _Near(s, w, rows[2][chosen] - plane.z0_m - plane.slope[0] * s - plane.slope[1] * w), stride
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Finder:
+    """Finds the edges of one step among the points near it."""
+
+    near: _Near
+    sampling: Sampling
+    band_m: float
+    params: SurveyParams
+
+    def edge(
+        self,
+        out: Floats,
+        along: Floats,
+        span: tuple[float, float],
+        guess_m: float,
+        is_foot: bool = True,
+        is_square: bool = False,
+    ) -> EdgeLine | None:
+        """Find an edge by the surface's extent, then by the face that goes down or up from it if one is seen.
+
+        Parameters
+        ----------
+        out, along : (n,)
+            Coordinates of the near points square to the edge and along it.
+        span : (low, high)
+            Range along the edge.
+        guess_m : float
+            First guess.
+        is_foot : bool
+            Whether a face may go up from the edge, as a wall does.
+        is_square : bool
+            Whether the edge is known to run exactly along ``along``.
+        """
+        if span[1] - span[0] <= 4.0 * self.sampling.spacing_m:
+            return None
+        offset = self.near.r
+        # Only what lies near this edge: the rest was gathered for the others.
+        close = np.flatnonzero((np.abs(out - guess_m) <= _BESIDE_M) & (along > span[0]) & (along < span[1]))
+        out, along, offset = out[close], along[close], offset[close]
+        offset = offset - self._step_at(out, offset, guess_m)
+        flat = np.abs(offset) <= self.band_m
+        surface = out[flat], along[flat], offset[flat]
+        whole = find_extent_edge(*surface, span, guess_m, self.sampling, "all", is_square)
+        middle = (span[0] + span[1]) / 2.0
+        guess = (guess_m, 0.0) if whole is None else (whole.at(middle), whole.slope)
+        reach = max(_FACE_REACH_M, _BAND_SIGMA * self.sampling.sigma_m)
+        near_m = max(_FACE_NEAR_M, _FACE_NEAR_SIGMA * self.sampling.sigma_m)
+        far_m = max(_FACE_FAR_M, near_m + _FACE_BAND_M)
+        guesses: tuple[tuple[tuple[float, float], float], ...] = ((guess, reach),)
+        if abs(guess[0] - guess_m) > 0.5 * reach:
+            # The surface may seem to end elsewhere than it does.
+            guesses += (((guess_m, 0.0), abs(guess[0] - guess_m) + reach),)
+        points = out, along, offset
+        down = self._face(points, span, guesses, (-near_m, -far_m), is_square)
+        up = self._face(points, span, guesses, (near_m, far_m), is_square) if is_foot else None
+        half: Half = "all"
+        if down is not None and (up is None or down.support >= up.support):
+            half = "above"
+        elif up is not None:
+            half = "below"
+        extent = whole if half == "all" else find_extent_edge(*surface, span, guess[0], self.sampling, half, is_square)
+        face = down if half == "above" else up
+        chosen = self._choose(extent, face, middle)
+        if chosen is not None and chosen.source == "tread" and self._is_obstructed(out, offset, chosen.at(middle)):
+            chosen = replace(chosen, noise_m=math.hypot(chosen.noise_m, _OBSTRUCTED_M), support=0.0)
+        return chosen
+
+    def _face(
+        self,
+        points: tuple[Floats, Floats, Floats],
+        span: tuple[float, float],
+        guesses: tuple[tuple[tuple[float, float], float], ...],
+        heights: tuple[float, float],
+        is_square: bool,
+    ) -> EdgeLine | None:
+        """Return the face found from the first guess that leads to one."""
+        for guess, reach in guesses:
+            found = find_face_edge(*points, span, guess, reach, heights, self.sampling, is_square)
+            if found is not None and found.support >= _LEAST_SUPPORT:
+                return found
+        return None
+
+    def _step_at(self, out: Floats, offset: Floats, guess_m: float) -> float:
+        """Return how far the surface near the edge lies above its plane, as a nosing strip does."""
+        is_strip = (out <= guess_m - _STRIP_NEAR_M) & (out >= guess_m - _STRIP_FAR_M)
+        strip = offset[is_strip & (np.abs(offset) <= self.band_m + _STRIP_STEP_M)]
+        return float(np.median(strip)) if len(strip) >= _FEWEST_IN_STRIP else 0.0
+
+    def _is_obstructed(self, out: Floats, offset: Floats, edge_m: float) -> bool:
+        """Return whether something stands at an edge, as a post does, whose shadow may be taken for the edge."""
+        beside = (out >= edge_m - _OBSTACLE_INSIDE_M) & (out <= edge_m + _OBSTACLE_OUTSIDE_M)
+        low_m = max(_OBSTACLE_LOW_M, _OBSTACLE_SIGMA * self.sampling.sigma_m)
+        return bool(np.count_nonzero(beside & (offset >= low_m)) >= _FEWEST_OF_OBSTACLE)
+
+    def _choose(self, extent: EdgeLine | None, face: EdgeLine | None, middle: float) -> EdgeLine | None:
+        if self.params.edge_source == "tread" or face is None:
+            return extent
+        if self.params.edge_source == "face" or extent is None:
+            return face
+        apart = face.at(middle) - extent.at(middle)
+        noise = math.hypot(extent.noise_m, face.noise_m)
+        doubt = _FACE_AGREES_M + self.sampling.spacing_m + _AGREE_SIGMAS * noise
+        # A tread that goes on beyond the face overhangs it, and its end is the edge. But the face's own topmost row of
+        # points, a little above the plane where another station stood higher, may seem to be the tread's last.
+        inside = _FACE_INSIDE_M + _FACE_ROWS * self.sampling.spacing_m + _BAND_SIGMA * noise
+        return face if -inside <= apart <= doubt else extent
+
+
+def _with_back(shape: StepShape, finder: _Finder, above: StepShape | None, rise_m: float) -> StepShape:
+    """Find the back edge: the riser face above the step, else the end of what is seen of it."""
+    near = finder.near
+    _, s_high, w_low, w_high = shape.extent
+    span = _inset((w_low, w_high))
+    if above is None:
+        # With nothing above, the end of what was seen may be a shadow's: only a face makes it an edge.
+        back = finder.edge(near.s, near.w, span, s_high)
+        return replace(shape, back=back if back is not None and back.source == "face" else None)
+    # The nosing above, as a line in this frame.
+    ends = [shape.from_plan(above.to_plan(above.front.at(w), w)) for w in _front_ends(above)]
+    (s0, w0), (s1, w1) = ends
+    slope = (s1 - s0) / (w1 - w0) if abs(w1 - w0) > 1e-6 else 0.0
+    # The front of a landing is longer than the flight; a riser is as wide as both.
+    low, high = max(span[0], min(w0, w1)), min(span[1], max(w0, w1))
+    if high - low > 0.3 * (span[1] - span[0]):
+        span = (low, high)
+    middle = (span[0] + span[1]) / 2.0
+    nosing = s0 + slope * (middle - w0)
+    sigma = finder.sampling.sigma_m
+    near_m = max(_FACE_NEAR_M, _FACE_NEAR_SIGMA * sigma)
+    far_m = max(min(0.65 * rise_m, rise_m - _SLAB_M), near_m + _FACE_BAND_M)
+    riser: EdgeLine | None = None
+    if finder.params.edge_source != "tread":
+        guess = (nosing + _RISER_BEHIND_M, slope)
+        riser = find_face_edge(near.s, near.w, near.r, span, guess, _RISER_REACH_M, (near_m, far_m), finder.sampling)
+    if riser is not None and riser.support >= _LEAST_SUPPORT and riser.purity >= _LEAST_PURITY:
+        return replace(shape, back=riser)
+    extent = finder.edge(near.s, near.w, span, s_high)
+    if extent is not None and extent.at(middle) > nosing + 0.005:
+        return replace(shape, back=extent)
+    # What is seen ends before the nosing above: that is where its shadow begins, not the tread's end.
+    seen = nosing if extent is None else max(extent.at(middle), shape.extent[1])
+    return replace(shape, back_limits=(min(seen, nosing + _DEEPEST_OVERHANG_M), nosing + _DEEPEST_OVERHANG_M))
+
+
+def _front_ends(shape: StepShape) -> tuple[float, float]:
+    return shape.extent[2], shape.extent[3]
+
+
+def _find_foot(
+    horizontal: Horizontal, base: Surface, origin: Floats, climb: Floats, extent: tuple[float, float, float, float]
+) -> LocalPlane | None:
+    """Fit the floor or landing just in front of the lowest step."""
+    left = np.array([-climb[1], climb[0]])
+    s, w = climb @ (base.cells_m - origin[:, None]), left @ (base.cells_m - origin[:, None])
+    front, _, w_low, w_high = extent
+    beside = (w >= w_low) & (w <= w_high) & (s <= front)
+    if np.count_nonzero(beside) < 4:
+        return None
+    # From where the floor is first seen in front of the step.
+    s_high = float(np.percentile(s[beside], 99.0))
+    z0 = float(base.centre_m[2] + base.slope @ (origin - base.centre_m[:2]))
+    rough = (z0, float(base.slope @ climb), float(base.slope @ left))
+    strip = (s_high - min(_FLOOR_STRIP_M, _STRIP_M), s_high, w_low, w_high)
+    return _fit_local(horizontal, base, origin, climb, strip, rough)
+
+
+def _coverage(shape: StepShape, near: _Near, band_m: float) -> float:
+    """Return the share of the cells of a tread's rectangle that hold points."""
+    s_high = shape.extent[1]
+    s_low, w_low, w_high = shape.front.middle_m, shape.right.middle_m, shape.left.middle_m
+    if shape.back is not None:
+        s_high = shape.back.middle_m
+    elif shape.back_limits is not None:
+        s_high = shape.back_limits[1]
+    cell = max(_FINE_M, 2.5 * shape.plane.spacing_m)
+    n_s, n_w = max(1, round((s_high - s_low) / cell)), max(1, round((w_high - w_low) / cell))
+    if s_high <= s_low or w_high <= w_low:
+        return 0.0
+    flat = np.abs(near.r) <= band_m
+    column = np.floor((near.s[flat] - s_low) / (s_high - s_low) * n_s).astype(np.int64)
+    row = np.floor((near.w[flat] - w_low) / (w_high - w_low) * n_w).astype(np.int64)
+    inside = (column >= 0) & (column < n_s) & (row >= 0) & (row < n_w)
+    is_filled = np.zeros(n_s * n_w, dtype=np.bool_)
+    is_filled[column[inside] * n_w + row[inside]] = True
+    return float(is_filled.mean())

@@ -1,0 +1,419 @@
+"""The numbers of the survey from steps whose planes and edges are given exactly."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stair_inspector.geometry.edges import EdgeLine
+from stair_inspector.geometry.fits import PlaneFit
+from stair_inspector.model import (
+    Chain,
+    Chains,
+    Horizontal,
+    LocalPlane,
+    PaperValues,
+    Patches,
+    Step,
+    StepShape,
+    Surface,
+    Up,
+)
+from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
+from stair_inspector.stages.rejects import Forced
+from stair_inspector.stages.survey import find_climbs, measure_survey
+
+RISE, GOING, WIDTH, DEPTH = 0.17, 0.28, 1.0, 0.3
+ALONG_X = np.array([1.0, 0.0])
+STATED = UncertaintyParams(scale_percent=1e-6)
+"""Something is stated, so that no note asks for it, and too little to be seen."""
+PLANE = PlaneFit(np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.0, 4)
+
+
+def line(middle_m, slope=0.0, noise_m=0.0, source="face", support=1.0, along_m=0.0):
+    return EdgeLine(middle_m, slope, along_m, noise_m, 0.0, support, source)
+
+
+def level_plane(z0_m=0.0, slope=(0.0, 0.0), sigma_m=0.0, variance=0.0):
+    return LocalPlane(z0_m, slope, np.diag([variance, 0.0, 0.0]), sigma_m, 0.0, 0.0, 100)
+
+
+def shape(number, middle, z_m, climb=ALONG_X, foot=None, **changes):
+    """A step whose nosing's middle lies at a place of the plan, at a height."""
+    values = {
+        "surface": number,
+        "origin_m": np.asarray(middle, dtype=float),
+        "climb": climb,
+        "plane": level_plane(z_m),
+        "extent": (0.0, DEPTH, -WIDTH / 2, WIDTH / 2),
+        "front": line(0.0),
+        "back": line(DEPTH),
+        "left": line(WIDTH / 2, along_m=DEPTH / 2),
+        "right": line(-WIDTH / 2, along_m=DEPTH / 2),
+        "foot": foot,
+        "back_limits": None,
+        "coverage": 0.9,
+        "line_range": (-WIDTH / 2, WIDTH / 2),
+        "nosing_offsets": (0.0, 0.0, 0.0),
+        "nosing_noise": (0.0, 0.0, 0.0),
+    }
+    return StepShape(**(values | changes))
+
+
+def even(n=4):
+    return [shape(k, ((k - 1) * GOING, 0.0), k * RISE, foot=level_plane() if k == 1 else None) for k in range(1, n + 1)]
+
+
+def chain_of(shapes, base=0, n_missing=None, **changes):
+    n = len(shapes)
+    return Chain(
+        base=base,
+        steps=tuple(s.surface for s in shapes),
+        climbs=np.array([s.climb for s in shapes]),
+        middles=np.array([s.origin_m for s in shapes]),
+        lengths_m=(WIDTH,) * n,
+        n_missing=n_missing or (0,) * n,
+        **changes,
+    )
+
+
+def scan_of(shapes):
+    """Patches of four points each, in the level frame, which is the scan's own."""
+    corners = np.array([[0.05, 0.05, 0.25, 0.25], [-0.4, 0.4, -0.4, 0.4]])
+    count = max(s.surface for s in shapes) + 1
+    by_number = {s.surface: s for s in shapes}
+    surfaces, rows = [], []
+    for number in range(count):
+        own = by_number.get(number)
+        origin = np.array([-0.8, 0.0]) if own is None else own.origin_m
+        z = 0.0 if own is None else own.plane.z0_m
+        cells = origin[:, None] + corners
+        rows.append(np.vstack([cells, np.full(4, z)]))
+        ids = np.arange(4 * number, 4 * number + 4)
+        surfaces.append(
+            Surface(
+                level_id=number,
+                rows=ids,
+                cells_m=cells,
+                area_m2=0.28,
+                height_m=z,
+                centre_m=np.array([*cells.mean(axis=1), z]),
+                slope=np.zeros(2),
+                sigma_m=0.0,
+                plane=PLANE,
+            )
+        )
+    coordinates = np.concatenate(rows, axis=1)
+    n = coordinates.shape[1]
+    up = Up(np.array([0.0, 0.0, 1.0]), "given")
+    return Horizontal(np.arange(n), coordinates, np.eye(3), up, n), Patches(tuple(surfaces), 0.02)
+
+
+def survey_of(*flights, up=None, doubts=STATED, params=None, forced=None):
+    """Measure flights, each a list of shapes or a chain and its shapes."""
+    pairs = [flight if isinstance(flight, tuple) else (chain_of(flight), flight) for flight in flights]
+    horizontal, patches = scan_of([s for _, shapes in pairs for s in shapes])
+    paper = tuple(
+        Step(k, PLANE, np.zeros((4, 3)), np.zeros(0, dtype=np.int64), PaperValues(h_m=float(k)))
+        for k in range(1, len(patches.surfaces))
+    )
+    return measure_survey(
+        horizontal,
+        patches,
+        Chains(tuple(chain for chain, _ in pairs)),
+        tuple(tuple(shapes) for _, shapes in pairs),
+        paper,
+        up or horizontal.up,
+        forced or Forced({}),
+        params or SurveyParams(),
+        doubts,
+        DisplayParams(nearest_k=2),
+    )
+
+
+def values(survey, name):
+    return [None if getattr(step, name) is None else getattr(step, name).value for step in survey.steps]
+
+
+# --- values --------------------------------------------------------------------------------------------------------
+
+
+def test_an_exact_stair_has_its_exact_values():
+    survey = survey_of(even())
+    assert values(survey, "rise_m") == pytest.approx([RISE] * 4, abs=1e-12)
+    assert values(survey, "going_m")[:3] == pytest.approx([GOING] * 3, abs=1e-12)
+    assert values(survey, "tread_depth_m") == pytest.approx([DEPTH] * 4, abs=1e-12)
+    assert values(survey, "nosing_overhang_m")[:3] == pytest.approx([DEPTH - GOING] * 3, abs=1e-12)
+    assert values(survey, "width_m") == pytest.approx([WIDTH] * 4, abs=1e-12)
+    pitch = math.degrees(math.atan2(RISE, GOING))
+    assert values(survey, "pitch_deg")[:3] == pytest.approx([pitch] * 3, abs=1e-12)
+    assert values(survey, "fall_deg") == pytest.approx([0.0] * 4, abs=1e-12)
+    last = survey.steps[-1]
+    assert (last.going_m, last.going_lcr_m, last.nosing_overhang_m, last.pitch_deg) == (None,) * 4
+    assert survey.notes == ()
+    assert [step.paper.h_m for step in survey.steps] == [1.0, 2.0, 3.0, 4.0]
+    assert [len(step.nearest_ids) for step in survey.steps] == [2] * 4
+
+
+def test_the_three_lines_lie_at_15_50_and_85_percent_from_the_left():
+    first = survey_of(even()).steps[0]
+    # Up is z and the climb is +x, so the left is +y.
+    np.testing.assert_allclose(first.line_points, [[0, 0.35, RISE], [0, 0, RISE], [0, -0.35, RISE]], atol=1e-12)
+    np.testing.assert_allclose(first.nosing, [[0, 0.5, RISE], [0, -0.5, RISE]], atol=1e-12)
+    np.testing.assert_allclose(first.climb, [1.0, 0.0, 0.0], atol=1e-12)
+    outer = survey_of(even(), params=SurveyParams(line_percent=5.0)).steps[0]
+    np.testing.assert_allclose(outer.line_points[:, 1], [0.45, 0.0, -0.45], atol=1e-12)
+
+
+def test_a_slanting_tread_is_measured_at_its_nosing():
+    shapes = even()
+    # Step 2 rises by 2 % away from its nosing: no rise may change.
+    shapes[1] = replace(shapes[1], plane=level_plane(2 * RISE, (0.02, 0.0)))
+    survey = survey_of(shapes)
+    assert values(survey, "rise_m") == pytest.approx([RISE] * 4, abs=1e-12)
+    assert values(survey, "fall_deg")[1] == pytest.approx(math.degrees(math.atan(0.02)), abs=1e-12)
+    assert values(survey, "cross_fall_deg")[1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_tread_that_is_higher_on_the_left_shows_in_left_and_right():
+    shapes = even()
+    shapes[1] = replace(shapes[1], plane=level_plane(2 * RISE, (0.0, 0.01)))
+    survey = survey_of(shapes)
+    low, high = RISE - 0.0035, RISE + 0.0035
+    assert survey.steps[1].rise_lcr_m == pytest.approx((high, RISE, low), abs=1e-12)
+    assert survey.steps[2].rise_lcr_m == pytest.approx((low, RISE, high), abs=1e-12)
+    assert values(survey, "cross_fall_deg")[1] == pytest.approx(math.degrees(math.atan(0.01)), abs=1e-12)
+
+
+def test_a_turned_nosing_shows_in_the_goings_beside_it():
+    shapes = even(6)
+    # The left end lies 5 mm farther back: the going to it is longer on the left by the slope over the lines' distance.
+    shapes[2] = replace(shapes[2], front=line(0.0, slope=0.01))
+    survey = survey_of(shapes)
+    before, after = survey.steps[1].going_lcr_m, survey.steps[2].going_lcr_m
+    climb = survey.steps[0].climb
+    assert before[0] - before[2] == pytest.approx(0.007, abs=1e-4)
+    assert after[2] - after[0] == pytest.approx(0.007, abs=1e-4)
+    # One nosing of six hardly turns the common direction of climb.
+    assert abs(climb[1]) < 0.01
+
+
+def test_rises_at_one_line_sum_to_the_height_between_first_and_last():
+    rng = np.random.default_rng(4)
+    shapes = [replace(s, plane=level_plane(s.plane.z0_m + rng.normal(0, 0.01))) for s in even(7)]
+    survey = survey_of(shapes)
+    assert sum(values(survey, "rise_m")) == pytest.approx(shapes[-1].plane.z0_m, abs=1e-12)
+
+
+def test_a_strip_that_stands_proud_counts_at_the_nosing():
+    shapes = even()
+    shapes[1] = replace(shapes[1], nosing_offsets=(0.003, 0.003, 0.003))
+    assert values(survey_of(shapes), "rise_m") == pytest.approx([RISE, RISE + 0.003, RISE - 0.003, RISE], abs=1e-12)
+
+
+def test_offsets_that_differ_from_left_to_right_stay_on_their_side():
+    shapes = even()
+    # The right third of nosing 2 is worn by 4 mm, its left third not.
+    shapes[1] = replace(shapes[1], nosing_offsets=(0.0, 0.0, -0.004))
+    survey = survey_of(shapes)
+    assert survey.steps[1].rise_lcr_m == pytest.approx((RISE, RISE, RISE - 0.004), abs=1e-12)
+    assert survey.steps[2].rise_lcr_m == pytest.approx((RISE, RISE, RISE + 0.004), abs=1e-12)
+    # The points that are drawn are those that were measured.
+    np.testing.assert_allclose(survey.steps[1].line_points[:, 2], [2 * RISE, 2 * RISE, 2 * RISE - 0.004], atol=1e-12)
+
+
+# --- null ----------------------------------------------------------------------------------------------------------
+
+
+def codes(survey):
+    return [(note.code, note.step) for note in survey.notes]
+
+
+def test_without_a_floor_the_first_rise_is_null_with_a_note():
+    shapes = even()
+    shapes[0] = replace(shapes[0], foot=None)
+    survey = survey_of((chain_of(shapes, base=None), shapes))
+    assert (survey.steps[0].rise_m, survey.steps[0].rise_lcr_m) == (None, None)
+    assert codes(survey) == [("rise_unobserved", 1)]
+    (flight,) = survey.flights
+    # Three risers join four steps.
+    assert flight.n_risers == 3
+
+
+def test_a_missing_tread_makes_the_values_over_the_gap_null():
+    shapes = [s for s in even(6) if s.surface != 4]
+    survey = survey_of((chain_of(shapes, n_missing=(0, 0, 0, 1, 0)), shapes))
+    below, above = survey.steps[2], survey.steps[3]
+    assert (below.going_m, below.going_lcr_m, below.pitch_deg, below.nosing_overhang_m) == (None,) * 4
+    assert (above.rise_m, above.rise_lcr_m) == (None, None)
+    assert codes(survey) == [("tread_missing", 4)]
+    (flight,) = survey.flights
+    assert (flight.n_risers, flight.pitch_deg, flight.rise.n, flight.going.n) == (6, None, 4, 3)
+    # Steps 3 and 5 are no neighbours: the gap parts them.
+    assert flight.rise.max_adjacent == pytest.approx(0.0, abs=1e-12)
+
+
+def test_two_missing_treads_are_counted_and_named():
+    shapes = [s for s in even(6) if s.surface not in (3, 4)]
+    survey = survey_of((chain_of(shapes, n_missing=(0, 0, 2, 0)), shapes))
+    assert survey.flights[0].n_risers == 6
+    assert survey.notes[0].message.startswith("2 treads are missing between step 2 and step 3")
+
+
+def test_a_hidden_back_is_the_middle_of_its_limits_and_as_uncertain_as_they_are_wide():
+    shapes = even()
+    shapes[0] = replace(shapes[0], back=None, back_limits=(0.24, 0.34))
+    survey = survey_of(shapes)
+    depth = survey.steps[0].tread_depth_m
+    assert depth.value == pytest.approx(0.29, abs=1e-12)
+    assert depth.u == pytest.approx(0.05, rel=0.01)
+    assert survey.steps[0].nosing_overhang_m.u == pytest.approx(0.05, rel=0.01)
+    assert codes(survey) == [("back_hidden", 1)]
+
+
+def test_what_was_not_seen_is_noted():
+    shapes = even()
+    unseen = {"support": 0.0, "noise_m": 0.02, "source": "tread"}
+    shapes[1] = replace(shapes[1], front=line(0.0, **unseen), back=None)
+    shapes[2] = replace(shapes[2], left=line(WIDTH / 2, **unseen))
+    survey = survey_of(shapes)
+    assert set(codes(survey)) == {("nosing_unobserved", 2), ("back_unobserved", 2), ("side_unobserved", 3)}
+    assert survey.steps[1].tread_depth_m is None
+    assert survey.steps[1].going_m.u > 0.02
+    assert survey.steps[2].width_m.u == pytest.approx(0.04, rel=0.01)
+
+
+# --- uncertainty ---------------------------------------------------------------------------------------------------
+
+
+def test_the_noise_of_a_rise_is_that_of_both_nosings():
+    shapes = [replace(s, nosing_noise=(0.0, 0.0003, 0.0)) for s in even()]
+    part = dict(survey_of(shapes).steps[1].rise_m.parts)["noise"]
+    assert part == pytest.approx(2.0 * math.hypot(0.0003, 0.0003), rel=1e-9)
+
+
+def test_the_noise_of_a_going_is_that_of_both_edges():
+    shapes = [replace(s, front=line(0.0, noise_m=0.0005)) for s in even()]
+    part = dict(survey_of(shapes).steps[1].going_m.parts)["noise"]
+    assert part == pytest.approx(2.0 * math.hypot(0.0005, 0.0005), rel=1e-9)
+
+
+def test_up_enters_with_half_of_its_expanded_uncertainty_and_what_the_user_states():
+    up = Up(np.array([0.0, 0.0, 1.0]), "floor", u_deg=0.6)
+    survey = survey_of(even(), up=up, doubts=UncertaintyParams(up_deg=0.4))
+    up_rad = math.radians(0.5)
+    for step in survey.steps[1:]:
+        assert dict(step.rise_m.parts)["up"] == pytest.approx(2.0 * up_rad * GOING, rel=1e-9)
+    # The first riser's two heights lie at one place.
+    assert "up" not in dict(survey.steps[0].rise_m.parts)
+    assert dict(survey.steps[0].going_m.parts)["up"] == pytest.approx(2.0 * up_rad * RISE, rel=1e-9)
+    assert dict(survey.flights[0].pitch_deg.parts)["up"] == pytest.approx(1.0, rel=1e-9)
+
+
+def test_the_place_of_an_edge_matters_to_a_rise_only_where_the_tread_leans():
+    doubts = UncertaintyParams(edge_m=0.002)
+    shapes = even()
+    assert dict(survey_of(shapes, doubts=doubts).steps[1].rise_m.parts).get("edge", 0.0) == 0.0
+    shapes[1] = replace(shapes[1], plane=level_plane(2 * RISE, (0.05, 0.0)))
+    part = dict(survey_of(shapes, doubts=doubts).steps[1].rise_m.parts)["edge"]
+    assert part == pytest.approx(2.0 * 0.05 * 0.002, rel=0.01)
+
+
+def test_a_mean_width_is_surer_about_noise_alone():
+    shapes = [replace(s, left=line(WIDTH / 2, noise_m=0.004, along_m=DEPTH / 2)) for s in even(4)]
+    survey = survey_of(shapes, doubts=UncertaintyParams(registration_m=0.001))
+    one, mean = dict(survey.steps[0].width_m.parts), dict(survey.flights[0].width_m.parts)
+    assert mean["noise"] == pytest.approx(one["noise"] / 2.0, rel=1e-9)
+    assert mean["registration"] == pytest.approx(one["registration"], rel=1e-9)
+
+
+def test_a_scan_of_which_nothing_is_stated_says_that_u_is_not_all():
+    assert codes(survey_of(even(), doubts=UncertaintyParams())) == [("uncertainty_unstated", None)]
+    assert codes(survey_of(even(), doubts=UncertaintyParams(up_deg=0.01))) == []
+
+
+# --- flights -------------------------------------------------------------------------------------------------------
+
+
+def test_statistics_of_a_flight():
+    heights = np.cumsum([0.17, 0.17, 0.178, 0.162, 0.17])
+    shapes = [replace(s, plane=level_plane(z)) for s, z in zip(even(5), heights, strict=True)]
+    rise = survey_of(shapes).flights[0].rise
+    assert (rise.n, rise.at) == (5, (3, 4))
+    assert (rise.mean, rise.min, rise.max) == pytest.approx((0.17, 0.162, 0.178), abs=1e-12)
+    assert (rise.range, rise.max_adjacent) == pytest.approx((0.016, 0.016), abs=1e-12)
+
+
+def test_one_value_has_no_neighbour():
+    going = survey_of(even(2)).flights[0].going
+    assert (going.n, going.max_adjacent, going.at, going.range) == (1, None, None, 0.0)
+
+
+def test_the_pitch_of_a_flight_fits_all_nosings():
+    heights = [RISE * k + (0.01 if k == 3 else 0.0) for k in range(1, 7)]
+    shapes = [replace(s, plane=level_plane(z)) for s, z in zip(even(6), heights, strict=True)]
+    run = GOING * np.arange(6)
+    slope = np.polyfit(run, heights, 1)[0]
+    assert survey_of(shapes).flights[0].pitch_deg.value == pytest.approx(math.degrees(math.atan(slope)), abs=1e-9)
+
+
+def test_steps_are_counted_through_the_flights():
+    lower = even(3)
+    upper = [
+        shape(k, ((k - 1) * GOING + 1.0, 0.0), k * RISE, foot=level_plane(3 * RISE) if k == 4 else None)
+        for k in range(4, 7)
+    ]
+    survey = survey_of(lower, (chain_of(upper, base=3), upper))
+    assert [step.step_id for step in survey.steps] == [1, 2, 3, 4, 5, 6]
+    assert [step.flight for step in survey.steps] == [1, 1, 1, 2, 2, 2]
+    assert [flight.step_ids for flight in survey.flights] == [(1, 2, 3), (4, 5, 6)]
+    # The step at which another flight begins is a landing, however deep.
+    assert [step.kind for step in survey.steps] == ["tread", "tread", "landing", "tread", "tread", "tread"]
+    assert survey.surfaces == (1, 2, 3, 4, 5, 6)
+    # The landing goes on straight to the next flight's first nosing.
+    assert survey.steps[2].going_m.value == pytest.approx(GOING + 1.0, abs=1e-12)
+    assert values(survey, "rise_m") == pytest.approx([RISE] * 6, abs=1e-12)
+
+
+def test_a_deep_last_step_is_a_landing_and_a_forced_one_too():
+    shapes = even(4)
+    shapes[3] = replace(shapes[3], extent=(0.0, 1.2, -0.5, 0.5))
+    assert [step.kind for step in survey_of(shapes).steps] == ["tread"] * 3 + ["landing"]
+    forced = Forced({2: "landing"})
+    assert [step.kind for step in survey_of(even(4), forced=forced).steps][1] == "landing"
+
+
+def winding(n, turn_deg, radius_m=0.6):
+    """Steps about a column, to the left."""
+    shapes = []
+    for k in range(1, n + 1):
+        angle = math.radians(turn_deg) * (k - 1)
+        climb = np.array([math.cos(angle), math.sin(angle)])
+        middle = radius_m * np.array([math.sin(angle), -math.cos(angle)])
+        shapes.append(shape(k, middle, k * RISE, climb=climb, foot=level_plane() if k == 1 else None))
+    return shapes
+
+
+@pytest.mark.parametrize(("n", "turn_deg", "name"), [(4, 25.0, "winder"), (10, 25.0, "spiral"), (8, 0.2, "straight")])
+def test_the_shape_of_a_flight(n, turn_deg, name):
+    survey = survey_of(winding(n, turn_deg, 60.0 if turn_deg < 1.0 else 0.6))
+    assert survey.flights[0].shape == name
+
+
+def test_a_winding_flight_is_measured_about_each_steps_own_axis():
+    shapes = winding(8, 25.0)
+    survey = survey_of(shapes)
+    for step, own in zip(survey.steps, shapes, strict=True):
+        np.testing.assert_allclose(step.climb[:2], own.climb, atol=1e-12)
+    # From one nosing's middle square to it, to the next nosing: r tan(25 degrees).
+    goings = [step.going_m.value for step in survey.steps[:-1]]
+    assert goings == pytest.approx([0.6 * math.tan(math.radians(25.0))] * 7, abs=1e-9)
+    assert values(survey, "rise_m") == pytest.approx([RISE] * 8, abs=1e-12)
+
+
+def test_one_odd_nosing_does_not_turn_the_common_climb():
+    shapes = even(6)
+    shapes[3] = replace(shapes[3], front=line(0.0, slope=0.2))
+    for climb in find_climbs(chain_of(shapes), tuple(shapes)):
+        np.testing.assert_allclose(climb, ALONG_X, atol=1e-12)
