@@ -4,21 +4,23 @@ Every text that could come from a file is escaped. Colours of the theme are take
 and dark both read well.
 """
 
-import html
-import json
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 
 from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import HeightProfile, Inspection, Level, Step
+from stair_inspector.params import Params
+from stair_inspector.viewer import survey_html
+from stair_inspector.viewer.display import REJECTED_COLOR
+from stair_inspector.viewer.markup import DIM, LINE, chip, mm, row_start, table_head, text, tidy
 
-_DIM = "var(--mantine-color-dimmed)"
-_LINE = "var(--mantine-color-default-border)"
-_CHOSEN = "rgba(0, 214, 230, 0.22)"
+Columns = Literal["survey", "paper"]
 
-_COLUMNS = (
+COLUMNS: tuple[Columns, ...] = ("survey", "paper")
+_PAPER_COLUMNS = (
     ("#", "", "Step, from bottom to top"),
     ("h", "mm", "Height from this centroid to the next: (c_k+1 - c_k) · u"),
     ("d_FB", "mm", "Depth front to back: f_k - b_k"),
@@ -34,13 +36,21 @@ _HEIGHT = 104
 _BASE = 80
 
 
-def text(value: object) -> str:
-    """Return a value as text that is safe inside HTML and inside a quoted attribute."""
-    return html.escape(str(value), quote=True)
+def columns_of(inspection: Inspection | None, wanted: Columns | None) -> Columns:
+    """Return which columns the table has: those wanted if the result has them, else the survey's where it was made."""
+    if inspection is None or inspection.params.method == "paper":
+        return "paper"
+    return wanted or ("survey" if inspection.flights else "paper")
 
 
-def table_html(inspection: Inspection | None, palette: Palette, selected: int | None, pick_uuid: str | None) -> str:
-    """Return the side table: the floor, then a row for each step, millimetres and degrees.
+def table_html(
+    inspection: Inspection | None,
+    palette: Palette,
+    selected: int | None,
+    pick_uuid: str | None,
+    columns: Columns = "paper",
+) -> str:
+    """Return the side table: a row for each step, millimetres and degrees.
 
     Parameters
     ----------
@@ -52,26 +62,27 @@ def table_html(inspection: Inspection | None, palette: Palette, selected: int | 
         Step whose row is emphasised.
     pick_uuid : str, optional
         Identity of the control that a click on a row writes to; None for rows that cannot be clicked.
+    columns : {"survey", "paper"}
+        The survey's values with their uncertainties, flight by flight; or the paper's, after a row for the floor.
     """
-    head = "".join(
-        f'<th title="{text(hint)}" style="text-align:right;padding:3px 6px;font-weight:600;white-space:nowrap;'
-        f'position:sticky;top:0">{text(name)}<div style="font-weight:400;font-size:10px;color:{_DIM}">'
-        f"{text(unit) or '&nbsp;'}</div></th>"
-        for name, unit, hint in _COLUMNS
-    )
-    rows = []
-    if inspection is not None and inspection.floor is not None:
-        rows.append(_floor_row(inspection.floor, inspection.floor_h_m, palette))
-    for step in inspection.steps if inspection is not None else ():
-        rows.append(_step_row(step, palette, step.step_id == selected, pick_uuid))
+    names = survey_html.COLUMNS if columns == "survey" else _PAPER_COLUMNS
+    rows = ""
+    if inspection is not None and columns == "survey":
+        rows = survey_html.survey_rows(inspection, palette, selected, pick_uuid)
+    elif inspection is not None:
+        rows = _paper_rows(inspection, palette, selected, pick_uuid)
     if inspection is not None and not inspection.steps:
-        rows.append(f'<tr><td colspan="{len(_COLUMNS)}" style="padding:10px 6px;color:{_DIM}">No steps.</td></tr>')
+        rows += f'<tr><td colspan="{len(names)}" style="padding:10px 6px;color:{DIM}">No steps.</td></tr>'
+    caption = ""
+    if columns == "survey" and rows:
+        caption = "± is the expanded uncertainty, k = 2; rest on a value to see what it is made of."
+        caption = f'<div style="font-size:10.5px;color:{DIM};padding:3px 5px">{caption}</div>'
     return (
-        '<div data-testid="steps" class="si-results" style="font-size:12px;overflow-x:auto;padding-right:6px">'
+        f'<div data-testid="steps" data-columns="{columns}" class="si-results" '
+        'style="font-size:12px;overflow-x:auto;padding-right:12px">'
         '<table data-testid="steps-table" style="border-collapse:collapse;width:100%;'
         'font-variant-numeric:tabular-nums;line-height:1.25">'
-        f'<thead><tr style="border-bottom:1px solid {_LINE}">{head}</tr></thead>'
-        f"<tbody>{''.join(rows)}</tbody></table></div>"
+        f"{table_head(names, ('#',))}<tbody>{rows}</tbody></table>{caption}</div>"
     )
 
 
@@ -92,7 +103,7 @@ def histogram_html(inspection: Inspection | None, palette: Palette) -> str:
         left = (at(level.high_m) + at(level.low_m) - width) / 2.0
         color = f"rgb{_color(level, palette, inspection)}"
         return (
-            f'<g data-level="{level.level_id}"><title>{text(_band_title(level))}</title>'
+            f'<g data-level="{level.level_id}"><title>{text(_band_title(level, inspection))}</title>'
             f'<rect x="{left:.1f}" y="14" width="{width:.1f}" height="{_BASE - 14}" fill="{color}" opacity="0.4"/>'
             f'<rect x="{left:.1f}" y="{_BASE}" width="{width:.1f}" height="5" fill="{color}"/></g>'
         )
@@ -119,19 +130,21 @@ def histogram_html(inspection: Inspection | None, palette: Palette) -> str:
 
 def legend_html(palette: Palette) -> str:
     """Return the legend of the scene."""
-    steps = "".join(_chip(color, 10) for color in palette.steps)
+    steps = "".join(chip(color, 10) for color in palette.steps)
     entries = [
-        f"{_chip(palette.floor)} floor",
+        f"{chip(palette.floor)} floor",
         f"{steps} steps, in turn",
-        f"{_chip(palette.non_stair)} other, such as risers",
-        f"{_chip(palette.front_edge, 16, 4)} front edge",
-        f"{_chip(palette.back_edge, 16, 4)} back edge",
-        f"{_chip(palette.side_edge, 16, 4)} side edges",
-        f"{_chip(palette.centre, 8)} centre",
+        f"{chip(palette.non_stair)} other, such as risers",
+        f"{chip(REJECTED_COLOR)} rejected surfaces",
+        f"{chip(palette.front_edge, 16, 4)} front edge, nosing",
+        f"{chip(palette.back_edge, 16, 4)} back edge",
+        f"{chip(palette.side_edge, 16, 4)} side edges",
+        f"{chip(palette.measure, 16, 4)} measuring lines",
+        f"{chip(palette.centre, 8)} centre",
     ]
     items = "".join(f'<span style="white-space:nowrap">{entry}</span>' for entry in entries)
     return (
-        f'<div data-testid="legend" style="display:flex;flex-wrap:wrap;gap:3px 12px;font-size:11px;color:{_DIM};'
+        f'<div data-testid="legend" style="display:flex;flex-wrap:wrap;gap:3px 12px;font-size:11px;color:{DIM};'
         f'padding:4px 9px 10px">{items}</div>'
     )
 
@@ -161,7 +174,7 @@ def state_html(inspection: Inspection | None, *, busy: str | None, error: str | 
         lines.append(f'<div data-testid="error" role="alert" style="color:#e03131;padding:3px 0">{text(error)}</div>')
     if is_stale and inspection is not None:
         lines.append(
-            f'<div style="color:{_DIM}">Shown dimmed: the last good result, with the settings named below it.</div>'
+            f'<div style="color:{DIM}">Shown dimmed: the last good result, with the settings named below it.</div>'
         )
         # Not part of any element's style: the table itself need not be sent again to be dimmed.
         lines.append("<style>.si-results{opacity:.45}</style>")
@@ -179,10 +192,11 @@ def details_html(inspection: Inspection | None) -> str:
     )
     if notes:
         lines.append(f'<ul data-testid="notes" style="margin:0 0 4px;padding-left:16px">{notes}</ul>')
-    lines.append(f'<div data-testid="used" style="color:{_DIM}">{_used(inspection)}</div>')
-    lines.append(f'<div data-testid="timings" style="color:{_DIM}">{_timings(inspection.timings_s)}</div>')
+    lines.append(f'<div data-testid="used" style="color:{DIM}">{_used(inspection)}</div>')
+    lines.append(f'<div data-testid="timings" style="color:{DIM}">{_timings(inspection.timings_s)}</div>')
     return (
-        '<div data-testid="details" class="si-results" style="font-size:11.5px;line-height:1.4;padding:2px 9px">'
+        '<div data-testid="details" class="si-results" style="font-size:11.5px;line-height:1.4;padding:2px 9px;'
+        'overflow-wrap:anywhere">'
         f"{''.join(lines)}</div>"
     )
 
@@ -195,7 +209,7 @@ def header_html(name: str, n_used: int | None, n_shown: int | None) -> str:
     return (
         '<div data-testid="scan" style="padding:2px 9px;overflow-wrap:anywhere">'
         f'<b style="font-size:14px">{text(name)}</b>'
-        f'<span style="font-size:12px;color:{_DIM}">{" · " if size else ""}{size}</span></div>'
+        f'<span style="font-size:12px;color:{DIM}">{" · " if size else ""}{size}</span></div>'
     )
 
 
@@ -215,14 +229,17 @@ def _headline(inspection: Inspection | None) -> str:
     n = len(inspection.steps)
     total_ms = sum(inspection.timings_s.values()) * 1000.0
     notes = f" · {len(inspection.notes)} notes below" if len(inspection.notes) > 1 else ""
-    return f'<span data-testid="n-steps">· {n} step{"" if n == 1 else "s"}</span> · {total_ms:,.0f} ms{notes}'
+    n_flights = len(inspection.flights)
+    flights = f" in {n_flights} flight{'' if n_flights == 1 else 's'}" if n_flights else ""
+    steps = f"{n} step{'' if n == 1 else 's'}{flights}"
+    return f'<span data-testid="n-steps">· {steps}</span> · {total_ms:,.0f} ms{notes}'
 
 
 def _used(inspection: Inspection) -> str:
     params = inspection.params
     axes = inspection.axes.rule if inspection.axes is not None else "none"
     up = inspection.up
-    vector = ", ".join(f"{_tidy(component, 3):.3f}" for component in up.vector)
+    vector = ", ".join(f"{tidy(component, 3):.3f}" for component in up.vector)
     parts = [
         params.method,
         f"θ_th {params.horizontal.theta_deg:g}°",
@@ -234,8 +251,31 @@ def _used(inspection: Inspection) -> str:
         f"axes {params.axes.rule} → {axes}" if params.axes.rule != axes else f"axes {axes}",
         f"up ({vector}) {up.source}",
         f"unit {inspection.scan.unit}",
+        *(_used_survey(params) if params.method == "survey" else ()),
     ]
     return "used: " + " · ".join(text(part) for part in parts)
+
+
+def _used_survey(params: Params) -> list[str]:
+    """Return the survey's settings; what the user states and overrules only where there is something."""
+    stated, overrules = params.uncertainty, params.overrules
+    band = f"{params.survey.band_m * 1000.0:g} mm" if params.survey.band_m else "auto"
+    parts = [
+        f"cell {params.patches.cell_m * 1000.0:g} mm",
+        f"gap {params.flights.max_gap_m * 1000.0:g} mm",
+        f"turn {params.flights.turn_deg:g}°",
+        f"edges {params.survey.edge_source}",
+        f"lines {params.survey.line_percent:g} %",
+        f"band {band}",
+    ]
+    if stated.registration_m or stated.up_deg or stated.scale_percent:
+        parts.append(
+            f"stated ±{stated.registration_m * 1000.0:g} mm, ±{stated.up_deg:g}°, ±{stated.scale_percent:g} % (k = 1)"
+        )
+    parts += [f"overruled {overrules.force}"] if overrules.force.strip() else []
+    parts += [f"climb {overrules.climb}"] if overrules.climb != "auto" else []
+    parts += [f"region {overrules.region}"] if overrules.region.strip() else []
+    return parts
 
 
 def _timings(timings_s: Mapping[str, float]) -> str:
@@ -246,81 +286,66 @@ def _timings(timings_s: Mapping[str, float]) -> str:
 
 
 def _floor_row(floor: PlaneFit, h_m: float | None, palette: Palette) -> str:
-    cells = [_mm(h_m), "", "", "", "", f"{floor.n_points:,}", _mm(floor.rms_m, 2)]
+    cells = [mm(h_m), "", "", "", "", f"{floor.n_points:,}", mm(floor.rms_m, 2)]
     body = "".join(f'<td style="text-align:right;padding:2px 6px">{cell}</td>' for cell in cells)
     return (
-        f'<tr data-testid="floor-row" style="border-bottom:1px solid {_LINE};color:{_DIM}">'
-        f'<td style="padding:2px 6px;white-space:nowrap">{_chip(palette.floor)} floor</td>{body}</tr>'
+        f'<tr data-testid="floor-row" style="border-bottom:1px solid {LINE};color:{DIM}">'
+        f'<td style="padding:2px 6px;white-space:nowrap">{chip(palette.floor)} floor</td>{body}</tr>'
     )
+
+
+def _paper_rows(inspection: Inspection, palette: Palette, selected: int | None, pick_uuid: str | None) -> str:
+    rows = []
+    if inspection.floor is not None:
+        rows.append(_floor_row(inspection.floor, inspection.floor_h_m, palette))
+    for step in inspection.steps:
+        rows.append(_step_row(step, palette, step.step_id == selected, pick_uuid))
+    return "".join(rows)
 
 
 def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str | None) -> str:
     paper = step.paper
     cells = [
-        _mm(paper.h_m),
-        _mm(paper.d_fb_m),
-        _mm(paper.d_ff_m),
-        _mm(paper.w_m),
+        mm(paper.h_m),
+        mm(paper.d_fb_m),
+        mm(paper.d_ff_m),
+        mm(paper.w_m),
         "–" if paper.theta_deg is None else f"{paper.theta_deg:.2f}",
         f"{step.plane.n_points:,}",
-        _mm(step.plane.rms_m, 2),
+        mm(step.plane.rms_m, 2),
     ]
     body = "".join(f'<td style="text-align:right;padding:2px 6px">{cell}</td>' for cell in cells)
-    style = f"border-bottom:1px solid {_LINE};cursor:pointer;"
-    style += f"background:{_CHOSEN};font-weight:600" if is_selected else ""
-    click = ""
-    if pick_uuid is not None:
-        script = pick_script(pick_uuid, step.step_id)
-        on_key = f"if(event.key==='Enter'){{{script}}}"
-        click = f' tabindex="0" onclick="{text(script)}" onkeydown="{text(on_key)}"'
     return (
-        f'<tr data-testid="step-row" data-step="{step.step_id}" aria-selected="{"true" if is_selected else "false"}" '
-        f'style="{style}"{click}><td style="padding:2px 6px;white-space:nowrap">'
-        f"{_chip(palette.of_step(step.step_id))} {step.step_id}</td>{body}</tr>"
+        f"{row_start(pick_uuid, step.step_id, '', is_selected=is_selected)}"
+        '<td style="padding:2px 6px;white-space:nowrap">'
+        f"{chip(palette.of_step(step.step_id))} {step.step_id}</td>{body}</tr>"
     )
 
 
-def pick_script(pick_uuid: str, step_id: int) -> str:
-    """Return the script of a row: it writes the step into a hidden control, as if typed there.
-
-    viser has no clickable table. This uses the hook that its own tests use, hence the exact version in
-    ``pyproject.toml`` and a browser test of it; choosing a step by its menu or in the scene works without. The time
-    makes a second click on the same row a new value.
-    """
-    # A JSON string is a script string too.
-    return (
-        "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',uuid:"
-        + json.dumps(pick_uuid)
-        + ",updates:{value:'"
-        + str(int(step_id))
-        + ":'+Date.now()}})"
-    )
-
-
-def _mm(value_m: float | None, digits: int = 1) -> str:
-    return "–" if value_m is None else f"{value_m * 1000.0:.{digits}f}"
-
-
-def _chip(color: Rgb, width: int = 11, height: int = 11) -> str:
-    # The thin outline keeps black and white chips visible on either theme.
-    return (
-        f'<span style="display:inline-block;width:{width}px;height:{height}px;border-radius:2px;'
-        f'background:rgb{color};outline:1px solid {_LINE};vertical-align:-1px;margin-right:2px"></span>'
-    )
+def _steps_at(level: Level, inspection: Inspection) -> list[int]:
+    """Return the steps that lie in a height cluster; without the survey's surfaces a cluster is one step."""
+    if inspection.patches:
+        found = {patch.step_id for patch in inspection.patches if patch.level_id == level.level_id}
+        return sorted(step_id for step_id in found if step_id is not None)
+    return [level.level_id] if 1 <= level.level_id <= len(inspection.steps) else []
 
 
 def _color(level: Level, palette: Palette, inspection: Inspection) -> Rgb:
     if level.kind == "floor":
         return palette.floor
-    if level.level_id > len(inspection.steps):
-        return palette.non_stair
-    return palette.of_step(level.level_id)
+    steps = _steps_at(level, inspection)
+    return palette.of_step(steps[0]) if steps else palette.non_stair
 
 
-def _band_title(level: Level) -> str:
+def _band_title(level: Level, inspection: Inspection) -> str:
+    """Return what a cluster is: its height and thickness, the steps in it, or why it is none."""
     name = "floor" if level.kind == "floor" else f"level {level.level_id}"
     thick = (level.high_m - level.low_m) * 1000.0
-    return f"{name}: {level.height_m:.3f} m, band of {thick:.0f} mm, {level.n_points:,} points"
+    place = f"{name}: {level.height_m:.3f} m, band of {thick:.0f} mm, {level.n_points:,} points"
+    steps = _steps_at(level, inspection)
+    what = f"; {level.kind}" if level.kind != "floor" else ""
+    what += f", step {', '.join(map(str, steps))}" if what and steps else ""
+    return place + what + (f": {level.reason}" if level.reason else "")
 
 
 def _outline(profile: HeightProfile) -> str:
@@ -345,9 +370,4 @@ def _ticks(low: float, span: float) -> list[tuple[int, float]]:
     step = float(next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted))
     digits = max(0, int(-np.floor(np.log10(step))))
     first = np.ceil(low / step) * step
-    return [(digits, _tidy(height, digits)) for height in np.arange(first, low + span, step)]
-
-
-def _tidy(value: float, digits: int) -> float:
-    """Return the value rounded, and zero without a sign."""
-    return round(float(value), digits) + 0.0
+    return [(digits, tidy(height, digits)) for height in np.arange(first, low + span, step)]

@@ -1,7 +1,7 @@
 """The controls of one inspector's page, made from the settings' own declarations."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, get_args
@@ -13,19 +13,23 @@ from stair_inspector.params import (
     GROUPS,
     NAMED_UP,
     AxesRule,
+    EdgeSource,
     Knob,
     Method,
     NormalsSource,
     Params,
     Unit,
+    Verdict,
     fields_of,
     help_of,
     knob_of,
 )
 from stair_inspector.viewer.cameras import VIEWS
+from stair_inspector.viewer.html import COLUMNS
+from stair_inspector.viewer.markup import SURFACE
 from stair_inspector.viewer.scene import MODES
 
-SLIDERS = (
+_MAIN_SLIDERS = (
     "horizontal.theta_deg",
     "levels.eps_m",
     "levels.min_points",
@@ -34,15 +38,31 @@ SLIDERS = (
     "edges.side_percentile",
     "normals.k",
 )
+_SURVEY_SLIDERS = (
+    "patches.cell_m",
+    "flights.max_gap_m",
+    "flights.turn_deg",
+    "survey.line_percent",
+    "survey.band_m",
+    "uncertainty.registration_m",
+    "uncertainty.up_deg",
+    "uncertainty.scale_percent",
+)
+SLIDERS = _MAIN_SLIDERS + _SURVEY_SLIDERS
 """Settings that have a slider, in the order of the page."""
+TEXTS = {"overrules.force": "Surfaces", "overrules.climb": "Climb", "overrules.region": "Region"}
+"""Settings that are written as text, with their labels."""
+_LONGEST_TEXT = 20_000
 _CHOICES: dict[str, tuple[str, tuple[str, ...]]] = {
     "method": ("Method", get_args(Method)),
     "axes.rule": ("Axes rule", get_args(AxesRule)),
+    "survey.edge_source": ("Edges from", get_args(EdgeSource)),
     "normals.source": ("Normals", get_args(NormalsSource)),
     "unit": ("Unit of the file", get_args(Unit)),
 }
 _OWN_UP = "vector"
 NO_STEP = "none"
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 
 
 @dataclass(frozen=True)
@@ -59,6 +79,10 @@ class Actions:
     on_select: Callable[[str], None]
     on_pick: Callable[[str], None]
     on_download: Callable[[str], None]
+    on_columns: Callable[[str], None]
+    on_rejected: Callable[[bool], None]
+    on_mark: Callable[[str], None]
+    on_clear_overrules: Callable[[], None]
 
 
 class Panel:
@@ -73,17 +97,26 @@ class Panel:
         gui.set_panel_label("stair_inspector")
         self._controls: dict[str, Any] = {}
         self._base = params
+        # Half a text is no setting: a text counts from when it is submitted.
+        self._submitted: dict[str, Any] = {}
         self.header = gui.add_html("")
         self.state = gui.add_html("")
         self.progress: Any = gui.add_progress_bar(0.0, animated=True, visible=False)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Tune", viser.Icon.ADJUSTMENTS_HORIZONTAL):
-            self._add_sliders(gui, params, actions)
+            self._add_tuning(gui, params, actions)
         with tabs.add_tab("Scan", viser.Icon.SCAN):
             self._add_scan(gui, scans, params, actions)
         with tabs.add_tab("Export", viser.Icon.DOWNLOAD):
             self._add_exports(gui, actions)
         self.histogram = gui.add_html("")
+        self._columns: Any = gui.add_button_group(
+            "Table",
+            tuple(columns.capitalize() for columns in COLUMNS),
+            hint="The survey's values with their uncertainties, or the paper's.",
+            visible=False,
+        )
+        self._columns.on_click(lambda event: self._from_page(event, actions.on_columns, self._columns.value))
         self.table = gui.add_html("")
         self.selected: Any = gui.add_dropdown(
             "Selected step",
@@ -92,6 +125,17 @@ class Panel:
             hint="Highlights the step; so does a click on its row or tread.",
         )
         self.selected.on_update(lambda event: self._from_page(event, actions.on_select, self.selected.value))
+        self.card = gui.add_html("")
+        self._show_rejected: Any = gui.add_checkbox(
+            "Show rejected surfaces",
+            False,
+            hint="Colours the surfaces that are no part of the staircase and lists them with the reason.",
+            visible=False,
+        )
+        self._show_rejected.on_update(
+            lambda event: self._from_page(event, actions.on_rejected, self._show_rejected.value)
+        )
+        self.rejected = gui.add_html("")
         self.details = gui.add_html("")
         self.legend = gui.add_html("")
         # Rows of the table write here; see html.pick_script.
@@ -112,6 +156,8 @@ class Panel:
             value = control.value
             if name in SLIDERS:
                 value = _stored(name, value)
+            elif name in TEXTS:
+                value = _checked_text(name, self._submitted[name])
             elif name == "up":
                 value = self._read_up(value)
             if name == "scan":
@@ -128,15 +174,41 @@ class Panel:
             elif name == "up":
                 control.value = _up_option(params.up)
                 self._up_vector.value = _up_vector(params.up)
+            elif name in TEXTS:
+                control.value = self._submitted[name] = _value(params, name)
             elif name != "scan":
                 control.value = _value(params, name)
 
-    def offer_steps(self, n_steps: int, selected: int | None) -> None:
-        """List the steps in the menu and set the chosen one."""
-        options = (NO_STEP, *(str(k) for k in range(1, n_steps + 1)))
+    def submit_texts(self) -> None:
+        """Let what is written in the text fields count."""
+        for name in TEXTS:
+            self._submitted[name] = self._controls[name].value
+
+    def overrule(self, place_m: tuple[float, float, float], kind: Verdict) -> None:
+        """Add a decision about the surface at a place, metres in the scan frame."""
+        name = "overrules.force"
+        force = with_decision(_checked_text(name, self._submitted[name]), place_m, kind)
+        self._controls[name].value = self._submitted[name] = force
+
+    def clear_overrules(self) -> None:
+        """Empty the text fields."""
+        for name in TEXTS:
+            group, _, field = name.rpartition(".")
+            empty = getattr(GROUPS[group](), field)
+            self._controls[name].value = self._submitted[name] = empty
+
+    def offer_steps(self, step_ids: Iterable[int], surface_ids: Iterable[int], chosen: str) -> None:
+        """List the steps and surfaces in the menu and set the chosen one."""
+        surfaces = (f"{SURFACE} {patch_id}" for patch_id in surface_ids)
+        options = (NO_STEP, *map(str, step_ids), *surfaces)
         if tuple(self.selected.options) != options:
             self.selected.options = options
-        self.selected.value = NO_STEP if selected is None else str(selected)
+        self.selected.value = chosen
+
+    def show_survey_controls(self, is_survey: bool) -> None:
+        """Show what only the survey has: its columns and its rejected surfaces."""
+        self._columns.visible = is_survey
+        self._show_rejected.visible = is_survey
 
     def show_scan_name(self, label: str) -> None:
         """Set the scan menu."""
@@ -146,8 +218,18 @@ class Panel:
         """Set the point size slider, as near as its range allows."""
         self._point_size.value = min(self._point_size.max, max(self._point_size.min, round(size_m * 1000.0, 1)))
 
-    def _add_sliders(self, gui: viser.GuiApi, params: Params, actions: Actions) -> None:
-        for name in SLIDERS:
+    def _add_tuning(self, gui: viser.GuiApi, params: Params, actions: Actions) -> None:
+        self._add_sliders(gui, _MAIN_SLIDERS, params, actions)
+        self._add_choice(gui, "axes.rule", params, actions)
+        with gui.add_folder("Survey", expand_by_default=False):
+            self._add_sliders(gui, _SURVEY_SLIDERS, params, actions)
+            self._add_choice(gui, "survey.edge_source", params, actions)
+        self._add_overrules(gui, params, actions)
+        reset = gui.add_button("Reset to preset", icon=viser.Icon.RESTORE, color="gray")
+        reset.on_click(lambda _: actions.on_reset())
+
+    def _add_sliders(self, gui: viser.GuiApi, names: tuple[str, ...], params: Params, actions: Actions) -> None:
+        for name in names:
             knob = knob_of(name)
             low, high, step = knob.shown(knob.low), knob.shown(knob.high), knob.shown(knob.step)
             kind: Any = int if _is_whole(name) else float
@@ -155,9 +237,28 @@ class Panel:
                 label_of(knob), kind(low), kind(high), kind(step), kind(_shown(name, params)), hint=help_of(name)
             )
             self._watch(name, slider, actions.on_settings)
-        self._add_choice(gui, "axes.rule", params, actions)
-        reset = gui.add_button("Reset to preset", icon=viser.Icon.RESTORE, color="gray")
-        reset.on_click(lambda _: actions.on_reset())
+
+    def _add_overrules(self, gui: viser.GuiApi, params: Params, actions: Actions) -> None:
+        """Add the decisions of the inspector: for the chosen step or surface by a button, for all others as text."""
+        form: Any = gui.add_form("Overrules", expand_by_default=False)
+        with form:
+            mark = gui.add_button_group(
+                "Mark as", VERDICTS, hint="What the chosen step or rejected surface is, whatever the program says."
+            )
+            for name, label in TEXTS.items():
+                # Enter submits; until then the text may be half a word.
+                self._controls[name] = gui.add_text(label, _value(params, name), hint=help_of(name))
+                self._submitted[name] = _value(params, name)
+            apply = gui.add_button("Apply overrules", icon=viser.Icon.CHECK, hint="So does Enter in a field.")
+            clear = gui.add_button("Clear overrules", icon=viser.Icon.ERASER, color="gray")
+        mark.on_click(lambda event: self._from_page(event, actions.on_mark, mark.value))
+        apply.on_click(lambda _: form.submit())
+        form.on_submit(lambda _: self._submit_texts(actions))
+        clear.on_click(lambda _: actions.on_clear_overrules())
+
+    def _submit_texts(self, actions: Actions) -> None:
+        self.submit_texts()
+        actions.on_settings()
 
     def _add_scan(self, gui: viser.GuiApi, scans: tuple[str, ...], params: Params, actions: Actions) -> None:
         chooser = gui.add_dropdown(
@@ -211,7 +312,7 @@ class Panel:
             dark.on_update(lambda event: self._from_page(event, actions.on_theme, dark.value))
         self._view_panel.float(x=12, y=12, width=350)
         gui.main_panel.dock_right()
-        gui.main_panel.set_width(440)
+        gui.main_panel.set_width(460)
 
     def _add_choice(self, gui: viser.GuiApi, name: str, params: Params, actions: Actions) -> None:
         label, options = _CHOICES[name]
@@ -244,6 +345,32 @@ def label_of(knob: Knob) -> str:
     """Return a slider's label: the symbol, or the words where there is none, and the unit."""
     unit = f" [{knob.display_unit}]" if knob.display_unit else ""
     return (knob.symbol or knob.label) + unit
+
+
+def with_decision(force: str, place_m: tuple[float, float, float], kind: Verdict) -> str:
+    """Return ``overrules.force`` with a decision about the surface at a place in the scan frame, metres.
+
+    An earlier decision about the very same place is dropped.
+
+    Examples
+    --------
+    >>> with_decision("level:3=rejected; at:1.000,0.000,0.170=tread", (1.0, 0.0, 0.17), "landing")
+    'level:3=rejected; at:1.000,0.000,0.170=landing'
+    """
+    # Adding zero makes a rounded -0.0 a plain zero.
+    place = "at:" + ",".join(f"{round(float(coordinate), 3) + 0.0:.3f}" for coordinate in place_m)
+    entries = [entry.strip() for entry in force.split(";") if entry.strip()]
+    kept = [entry for entry in entries if entry.partition("=")[0].strip() != place]
+    return "; ".join([*kept, f"{place}={kind}"])
+
+
+def _checked_text(name: str, value: object) -> str:
+    """Return what a page has written; how it must look is the settings' own affair."""
+    if not isinstance(value, str):
+        raise ConfigError(f"{name}: got {str(value)[:40]!r}; give a text")
+    if len(value) > _LONGEST_TEXT:
+        raise ConfigError(f"{name}: has {len(value):,} characters; give at most {_LONGEST_TEXT:,}")
+    return value
 
 
 def _is_whole(name: str) -> bool:

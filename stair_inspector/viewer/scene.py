@@ -9,17 +9,23 @@ import numpy as np
 import viser
 
 from stair_inspector.files.palettes import Palette, Rgb
-from stair_inspector.geometry.arrays import Colors, Floats
-from stair_inspector.model import Inspection, Step
-from stair_inspector.viewer.display import Display
+from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels
+from stair_inspector.model import Inspection
+from stair_inspector.viewer.dimensions import Anchor, Dimensions, Label
+from stair_inspector.viewer.display import REJECTED_COLOR, Display
+from stair_inspector.viewer.markup import SURFACE
+from stair_inspector.viewer.survey_html import MOST_REJECTED, rejected_of
 
 Mode = Literal["Raw", "Segmented", "Side by side"]
 
 MODES: tuple[Mode, ...] = ("Raw", "Segmented", "Side by side")
 _EDGE_PIXELS = 3.0
+_NOSING_PIXELS = 6.0
+_ARROW_PIXELS = 2.0
 _GAP_SHARE = 0.25
 """Gap between the two clouds side by side, as a share of their width."""
-_HIGHLIGHT = (0, 214, 230)
+HIGHLIGHT: Rgb = (0, 214, 230)
+_GROUND_SHARE = 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,19 +33,29 @@ class Drawing:
     """The segmentation as plain data, local coordinates.
 
     ``colors`` (m, 3) of the displayed points; ``edges`` (e, 2, 3) with ``edge_colors`` (e, 3), lifted off the surface
-    by about a point's size so that its points do not cover them; ``centres`` (c, 3) the points kept around the
-    centroids; ``corners`` one (4, 3) plate for each step; ``labels`` their names.
+    by about a point's size so that its points do not cover them; ``nosings`` (k, 2, 3) the survey's nosing lines,
+    lifted too; ``centres`` (c, 3) the points kept around the centroids; ``corners`` one (4, 3) plate for each step;
+    ``labels`` their names; ``rejected`` the name and place (3,) of each rejected surface that is to be seen.
     """
 
     colors: Colors
     edges: Floats
     edge_colors: Colors
+    nosings: Floats
     centres: Floats
     corners: tuple[Floats, ...]
     labels: tuple[str, ...]
+    rejected: tuple[tuple[str, Floats], ...] = ()
 
 
-def draw(inspection: Inspection, display: Display, scan_points: Floats, palette: Palette) -> Drawing:
+def draw(
+    inspection: Inspection,
+    display: Display,
+    scan_points: Floats,
+    palette: Palette,
+    *,
+    with_rejected: bool = False,
+) -> Drawing:
     """Return what is drawn of an inspection.
 
     Parameters
@@ -50,36 +66,75 @@ def draw(inspection: Inspection, display: Display, scan_points: Floats, palette:
         All points of that scan, local.
     palette : Palette
         Colours of the page.
+    with_rejected : bool
+        Whether surfaces that are no part of the staircase have a colour of their own and, the largest, a name.
     """
     labels = inspection.labels[display.point_ids]
     # A rejected level is no step and is drawn as what is left over.
     labels = np.where(labels > len(inspection.steps), -1, labels).astype(np.int16)
+    point_colors = palette.of_labels(labels)
+    rejected = rejected_of(inspection) if with_rejected else []
+    if rejected and inspection.patch_ids is not None:
+        patch_ids = inspection.patch_ids[display.point_ids]
+        point_colors[np.isin(patch_ids, [patch.patch_id for patch in rejected])] = REJECTED_COLOR
     edges, colors = [], []
+    nosings = []
     for step in inspection.steps:
-        # Lines that lie exactly in the surface would be covered by half of its points.
-        lift_m = display.spacing_m + 2.0 * (step.plane.rms_m or 0.0)
-        front_left, front_right, back_right, back_left = step.corners + lift_m * inspection.up.vector
-        edges += [
-            (front_left, back_left),
-            (front_right, back_right),
-            (back_left, back_right),
-            (front_left, front_right),
-        ]
-        colors += [palette.side_edge, palette.side_edge, palette.back_edge, palette.front_edge]
+        lift = lift_of(display.spacing_m, step.plane.rms_m) * inspection.up.vector
+        front_left, front_right, back_right, back_left = step.corners + lift
+        edges += [(front_left, back_left), (front_right, back_right), (back_left, back_right)]
+        colors += [palette.side_edge, palette.side_edge, palette.back_edge]
+        if step.nosing is not None:
+            nosings.append(step.nosing + lift)
+        else:
+            edges.append((front_left, front_right))
+            colors.append(palette.front_edge)
     centres = [scan_points[step.nearest_ids] for step in inspection.steps]
     return Drawing(
-        colors=palette.of_labels(labels),
+        colors=point_colors,
         edges=np.array(edges).reshape(-1, 2, 3),
         edge_colors=np.array(colors, dtype=np.uint8).reshape(-1, 3),
+        nosings=np.array(nosings).reshape(-1, 2, 3),
         centres=np.concatenate(centres) if centres else np.zeros((0, 3)),
         corners=tuple(step.corners for step in inspection.steps),
         labels=tuple(str(step.step_id) for step in inspection.steps),
+        rejected=tuple((f"{SURFACE} {patch.patch_id}", patch.plane.centroid) for patch in rejected[:MOST_REJECTED]),
     )
 
 
+def lift_of(spacing_m: float, rms_m: float | None) -> float:
+    """Return how far above a surface a line is drawn, metres: in it, half of the surface's points would cover it."""
+    return spacing_m + 2.0 * (rms_m or 0.0)
+
+
+def ground_of(palette: Palette) -> Rgb:
+    """Return a quiet colour on which measuring lines and arrows are seen, for the points of a step with dimensions."""
+    # Arrows are dark on the light theme and light on the dark one.
+    far = 255 if sum(palette.centre) < 3 * 128 else 0
+    red, green, blue = (round(_GROUND_SHARE * far + (1.0 - _GROUND_SHARE) * channel) for channel in palette.measure)
+    return (red, green, blue)
+
+
+def points_of(inspection: Inspection, display: Display, step_id: int | None, patch_id: int | None) -> Floats:
+    """Return the displayed points (k, 3) of a step, or of a surface, or none."""
+    owners: Labels | Ints | None = inspection.labels if step_id is not None else inspection.patch_ids
+    number = step_id if step_id is not None else patch_id
+    if owners is None or number is None:
+        return np.zeros((0, 3))
+    points: Floats = display.points[owners[display.point_ids] == number]
+    return points
+
+
 def view_from_local(inspection: Inspection) -> Floats:
-    """Return the rotation (3, 3) from local axes to the view: right of the climber, along the climb, up."""
+    """Return the rotation (3, 3) from local axes to the view: right of the climber, along the climb, up.
+
+    The climb is that at the foot of the first flight, or that of the paper's axes where no flight is known.
+    """
     up = inspection.up.vector
+    if inspection.flights:
+        right = np.cross(inspection.flights[0].climb, up)
+        right /= np.linalg.norm(right)
+        return np.stack([right, np.cross(up, right), up])
     if inspection.axes is not None:
         return np.stack([-inspection.axes.width, -inspection.axes.depth, up])
     some = np.eye(3)[np.argmin(np.abs(up))]
@@ -114,6 +169,9 @@ class Stage:
     mode: Mode = "Segmented"
     _nodes: dict[str, Any] = field(default_factory=dict)
     _per_step: list[tuple[Any, Any]] = field(default_factory=list)
+    _step_names: tuple[str, ...] = ()
+    _rejected: list[Any] = field(default_factory=list)
+    _dimension_labels: list[Any] = field(default_factory=list)
 
     def show_scan(self, display: Display, rotation: Floats, point_size_m: float) -> None:
         """Replace everything by a scan, standing upright."""
@@ -136,11 +194,12 @@ class Stage:
             )
         self.set_mode(self.mode)
 
-    def show_drawing(self, drawing: Drawing, centre: Rgb, on_pick: Callable[[int], None]) -> None:
+    def show_drawing(self, drawing: Drawing, palette: Palette, on_pick: Callable[[int], None]) -> None:
         """Replace the segmentation; ``on_pick(step_id)`` is called when a step's plate is clicked."""
         scene = self.client.scene
         self._nodes["/stair/segments/cloud"].colors = drawing.colors
         self._replace_lines("/stair/segments/edges", drawing.edges, drawing.edge_colors)
+        self._replace_lines("/stair/segments/nosings", drawing.nosings, palette.front_edge, _NOSING_PIXELS)
         if not len(drawing.centres):
             self._remove("/stair/segments/centres")
         else:
@@ -148,40 +207,61 @@ class Stage:
             self._nodes["/stair/segments/centres"] = scene.add_point_cloud(
                 "/stair/segments/centres",
                 drawing.centres.astype(np.float32),
-                centre,
+                palette.centre,
                 point_size=1.6 * self._nodes["/stair/raw"].point_size,
                 point_shape="circle",
                 point_shading="flat",
                 precision="float32",
             )
-        if len(self._per_step) != len(drawing.corners):
+        if self._step_names != drawing.labels:
             self._add_steps(drawing, on_pick)
         for (plate, label), corners in zip(self._per_step, drawing.corners, strict=True):
             plate.vertices = corners.astype(np.float32)
             label.position = _beside(corners)
+        self._rejected = self._replace_labels(
+            self._rejected,
+            [(f"/stair/segments/rejected/{name}", name, place, "center-center") for name, place in drawing.rejected],
+        )
 
-    def highlight(self, step: Step | None, points: Floats) -> None:
-        """Draw one step's points and outline on top of the segmentation, or nothing."""
-        self._remove("/stair/segments/selected")
-        self._remove("/stair/segments/outline")
-        if step is None:
-            return
-        self._nodes["/stair/segments/selected"] = self.client.scene.add_point_cloud(
-            "/stair/segments/selected",
-            points.astype(np.float32),
-            _HIGHLIGHT,
-            point_size=1.7 * self._nodes["/stair/raw"].point_size,
-            point_shape="circle",
-            point_shading="flat",
-            precision="float32",
+    def highlight(self, points: Floats, corners: Floats | None, color: Rgb = HIGHLIGHT) -> None:
+        """Draw points (k, 3) and the outline of a plate (4, 3) on top of the segmentation, or nothing."""
+        if not len(points):
+            self._remove("/stair/segments/selected")
+        else:
+            self._nodes["/stair/segments/selected"] = self.client.scene.add_point_cloud(
+                "/stair/segments/selected",
+                points.astype(np.float32),
+                color,
+                point_size=1.7 * self._nodes["/stair/raw"].point_size,
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+            )
+        outline = np.zeros((0, 2, 3))
+        if corners is not None:
+            outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+        self._replace_lines("/stair/segments/outline", outline, HIGHLIGHT, 2.0 * _EDGE_PIXELS)
+
+    def show_dimensions(self, step_id: int | None, dimensions: Dimensions | None, palette: Palette) -> None:
+        """Draw the measuring lines, dimension arrows and labels of a step, or nothing."""
+        nothing = np.zeros((0, 2, 3))
+        measuring, arrows = (dimensions.measuring, dimensions.arrows) if dimensions is not None else (nothing, nothing)
+        self._replace_lines("/stair/segments/measuring", measuring, palette.measure, _EDGE_PIXELS)
+        self._replace_lines("/stair/segments/dimensions", arrows, palette.centre, _ARROW_PIXELS)
+        self._dimension_labels = self._replace_labels(
+            self._dimension_labels,
+            [
+                (f"/stair/segments/dimension_labels/{label.text.split(' ')[0]}", *_label_of(label))
+                for label in (dimensions.labels if dimensions is not None else ())
+            ],
         )
-        outline = np.stack([step.corners, np.roll(step.corners, -1, axis=0)], axis=1)
-        self._replace_lines(
-            "/stair/segments/outline",
-            outline,
-            np.tile(np.array(_HIGHLIGHT, dtype=np.uint8), (4, 1)),
-            2.0 * _EDGE_PIXELS,
-        )
+
+        # The numbers of the step and of its neighbours stand where the labels run.
+        hidden = set()
+        if step_id is not None and self._dimension_labels:
+            hidden = {str(number) for number in (step_id - 1, step_id, step_id + 1)}
+        for (_, label), name in zip(self._per_step, self._step_names, strict=True):
+            label.visible = name not in hidden
 
     def set_mode(self, mode: Mode) -> None:
         """Show the raw cloud, the segmentation, or both side by side."""
@@ -215,24 +295,27 @@ class Stage:
     def clear(self) -> None:
         """Remove everything."""
         self._remove_steps()
+        self._rejected = self._replace_labels(self._rejected, [])
+        self._dimension_labels = self._replace_labels(self._dimension_labels, [])
         for name in list(self._nodes)[::-1]:
             self._remove(name)
 
     def _add_steps(self, drawing: Drawing, on_pick: Callable[[int], None]) -> None:
         self._remove_steps()
-        for index, (corners, text) in enumerate(zip(drawing.corners, drawing.labels, strict=True)):
+        self._step_names = drawing.labels
+        for corners, text in zip(drawing.corners, drawing.labels, strict=True):
             # All but invisible: it is there to be clicked.
             plate = self.client.scene.add_mesh_simple(
                 f"/stair/segments/steps/{text}",
                 corners.astype(np.float32),
                 np.array([[0, 1, 2], [0, 2, 3]]),
-                color=_HIGHLIGHT,
+                color=HIGHLIGHT,
                 opacity=0.02,
                 side="double",
                 cast_shadow=False,
                 receive_shadow=False,
             )
-            plate.on_click(partial(_pick, on_pick, index + 1))
+            plate.on_click(partial(_pick, on_pick, int(text)))
             label = self.client.scene.add_label(
                 f"/stair/segments/labels/{text}",
                 text,
@@ -246,16 +329,30 @@ class Stage:
         for plate, label in self._per_step:
             plate.remove()
             label.remove()
-        self._per_step = []
+        self._per_step, self._step_names = [], ()
 
     def _shift(self) -> float:
         width = float(np.ptp(self.extent[:, 0]))
         return width * (1.0 + _GAP_SHARE)
 
-    def _replace_lines(self, name: str, segments: Floats, colors: Colors, pixels: float = _EDGE_PIXELS) -> None:
+    def _replace_labels(self, old: list[Any], labels: list[tuple[str, str, Floats, Any]]) -> list[Any]:
+        """Replace labels by others, given as node name, text, place and anchor; return their nodes."""
+        kept = {name for name, *_ in labels}
+        for node in old:
+            # Added again under the same name, a label takes the old one's place without a gap.
+            if node.name not in kept:
+                node.remove()
+        return [
+            self.client.scene.add_label(name, words, position=place, anchor=anchor, font_screen_scale=0.85)
+            for name, words, place, anchor in labels
+        ]
+
+    def _replace_lines(self, name: str, segments: Floats, colors: Colors | Rgb, pixels: float = _EDGE_PIXELS) -> None:
+        """Replace lines (k, 2, 3), with a colour for each (k, 3) or one for all."""
         if not len(segments):
             self._remove(name)
             return
+        colors = np.broadcast_to(np.array(colors, dtype=np.uint8), (len(segments), 3))
         self._nodes[name] = self.client.scene.add_line_segments(
             name,
             segments.astype(np.float32),
@@ -274,6 +371,10 @@ def _linear(colors: Colors) -> Colors:
     shares = colors / 255.0
     light = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
     return np.rint(255.0 * light).astype(np.uint8)
+
+
+def _label_of(label: Label) -> tuple[str, Floats, Anchor]:
+    return label.text, label.position, label.anchor
 
 
 def _pick(on_pick: Callable[[int], None], step_id: int, _: Any) -> None:

@@ -18,14 +18,27 @@ from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.exports import csv_bytes, debug_ply_bytes, json_bytes
 from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Inspection, Scan
+from stair_inspector.model import Inspection, Scan, Step
 from stair_inspector.params import Params
 from stair_inspector.pipeline import Memo, inspect
 from stair_inspector.viewer import html
 from stair_inspector.viewer.cameras import FOV_RAD, VIEWS, View, frame_view
-from stair_inspector.viewer.display import Display, choose_display
-from stair_inspector.viewer.panel import NO_STEP, Actions, Panel
-from stair_inspector.viewer.scene import MODES, Stage, draw, view_from_local
+from stair_inspector.viewer.dimensions import dimensions_of
+from stair_inspector.viewer.display import REJECTED_COLOR, Display, choose_display
+from stair_inspector.viewer.markup import SURFACE
+from stair_inspector.viewer.panel import NO_STEP, VERDICTS, Actions, Panel
+from stair_inspector.viewer.scene import (
+    HIGHLIGHT,
+    MODES,
+    Drawing,
+    Stage,
+    draw,
+    ground_of,
+    lift_of,
+    points_of,
+    view_from_local,
+)
+from stair_inspector.viewer.survey_html import MOST_REJECTED, card_html, rejected_html, rejected_of, step_of
 from stair_inspector.viewer.worker import Newest, Workshop
 
 logger = logging.getLogger(__name__)
@@ -137,7 +150,12 @@ class Session:
         self._asked: Request | None = None
         self._running: Scan | None = None
         self._shown: Shown | None = None
+        # A step or a rejected surface is chosen, never both.
         self._selected: int | None = None
+        self._selected_patch: int | None = None
+        # None shows the survey's columns where there are any.
+        self._columns: html.Columns | None = None
+        self._with_rejected = False
         self._error: str | None = None
         # Why the controls, as they stand now, can not even be asked for.
         self._refusal: str | None = None
@@ -158,6 +176,10 @@ class Session:
             on_select=self._guard(self._on_select),
             on_pick=self._guard(self._on_pick),
             on_download=self._guard(self._on_download),
+            on_columns=self._guard(self._on_columns),
+            on_rejected=self._guard(self._on_rejected),
+            on_mark=self._guard(self._on_mark),
+            on_clear_overrules=self._guard(self._on_clear_overrules),
         )
         self._panel = Panel(client, tuple(scans), params, actions)
         self._panel.legend.content = html.legend_html(self._palette)
@@ -233,8 +255,7 @@ class Session:
             shown = self._shown
             if shown is None:
                 return
-            drawing = draw(shown.inspection, shown.display, shown.scan.points, self._palette)
-            self._stage_view.show_drawing(drawing, self._palette.centre, self._guard(self._select))
+            self._show_drawing(self._draw(shown))
             self._panel.histogram.content = html.histogram_html(shown.inspection, self._palette)
             self._show_selection()
 
@@ -245,12 +266,46 @@ class Session:
             self._stage_view.set_point_size(float(size_mm) / 1000.0)
 
     def _on_select(self, option: str) -> None:
-        self._select(None if option == NO_STEP else _step_number(option))
+        self._select(*_read_choice(option))
 
     def _on_pick(self, message: str) -> None:
-        step_id = _step_number(str(message).partition(":")[0])
+        chosen = _read_choice(str(message).partition(":")[0])
         # A second click on the same row puts the selection away.
-        self._select(None if step_id == self._selected else step_id)
+        self._select(*((None, None) if chosen == (self._selected, self._selected_patch) else chosen))
+
+    def _on_columns(self, option: str) -> None:
+        columns = next((columns for columns in html.COLUMNS if columns == str(option).lower()), None)
+        if columns is None:
+            raise ConfigError(f"table: got {str(option)[:40]!r}; give one of {', '.join(html.COLUMNS)}")
+        with self._lock, self._client.atomic():
+            self._columns = columns
+            self._show_selection()
+
+    def _on_rejected(self, is_shown: bool) -> None:
+        with self._lock, self._client.atomic():
+            self._with_rejected = bool(is_shown)
+            if not self._with_rejected:
+                self._selected_patch = None
+            if self._shown is not None:
+                self._show_drawing(self._draw(self._shown))
+            self._show_selection()
+
+    def _on_mark(self, option: str) -> None:
+        kind = next((kind for kind in VERDICTS if kind == option), None)
+        if kind is None:
+            raise ConfigError(f"mark as: got {str(option)[:40]!r}; give one of {', '.join(VERDICTS)}")
+        with self._lock:
+            place_m = self._chosen_place()
+            # Its number may be another one's when the result is there.
+            self._selected = self._selected_patch = None
+        with self._ask_lock:
+            self._panel.overrule(place_m, kind)
+        self._submit()
+
+    def _on_clear_overrules(self) -> None:
+        with self._ask_lock:
+            self._panel.clear_overrules()
+        self._submit()
 
     def _on_download(self, kind: str) -> None:
         with self._lock:
@@ -349,15 +404,18 @@ class Session:
             if before is not None and is_new_scan and before.label == request.label and before.scan.unit == scan.unit:
                 self._client.add_notification("File changed", f"{request.label} has changed and was read again.")
             display = choose_display(scan) if is_new_scan or before is None else before.display
-            drawing = draw(inspection, display, scan.points, self._palette)
+            shown = Shown(request.label, scan, display, inspection)
+            drawing = self._draw(shown)
             histogram = html.histogram_html(inspection, self._palette)
             details = html.details_html(inspection)
             # Only now: if making a part of the page fails, the exports stay those of the result that is still shown.
-            self._shown = Shown(request.label, scan, display, inspection)
+            self._shown = shown
             # A run that was under way may end after a control was set to something impossible: that stays said.
             self._error = self._refusal
-            if self._selected is not None and self._selected > len(inspection.steps):
+            if step_of(inspection, self._selected) is None:
                 self._selected = None
+            # Surfaces are numbered anew by every run.
+            self._selected_patch = None
             # The scene is turned upright only for another scan or another up: nothing jumps while a slider moves.
             is_new_view = (
                 is_new_scan or before is None or not np.array_equal(before.inspection.up.vector, inspection.up.vector)
@@ -369,7 +427,7 @@ class Session:
                     self._stage_view.show_scan(display, view_from_local(inspection), size_m)
                     self._panel.show_point_size(size_m)
                     self._panel.header.content = html.header_html(request.label, len(scan.points), len(display.points))
-                self._stage_view.show_drawing(drawing, self._palette.centre, self._guard(self._select))
+                self._show_drawing(drawing)
                 self._panel.progress.visible = False
                 self._panel.histogram.content = histogram
                 self._panel.details.content = details
@@ -394,31 +452,90 @@ class Session:
         error = self._error if busy is None else None
         self._panel.state.content = html.state_html(inspection, busy=busy, error=error, is_stale=is_stale)
 
-    def _select(self, step_id: int | None) -> None:
+    def _draw(self, shown: Shown) -> Drawing:
+        return draw(
+            shown.inspection, shown.display, shown.scan.points, self._palette, with_rejected=self._with_rejected
+        )
+
+    def _show_drawing(self, drawing: Drawing) -> None:
+        self._stage_view.show_drawing(drawing, self._palette, self._guard(self._select))
+
+    def _select(self, step_id: int | None, patch_id: int | None = None) -> None:
         with self._lock:
             shown = self._shown
             if shown is None:
                 return
-            if step_id is not None and not 1 <= step_id <= len(shown.inspection.steps):
-                raise ConfigError(f"step {step_id} does not exist; there are {len(shown.inspection.steps)}")
-            self._selected = step_id
+            inspection = shown.inspection
+            if step_id is not None and step_of(inspection, step_id) is None:
+                raise ConfigError(f"step {step_id} does not exist; there are {len(inspection.steps)}")
+            if patch_id is not None and patch_id not in {patch.patch_id for patch in rejected_of(inspection)}:
+                raise ConfigError(f"{SURFACE} {patch_id} is none of the rejected ones")
+            self._selected, self._selected_patch = step_id, patch_id
             with self._client.atomic():
                 self._show_selection()
 
     def _show_selection(self) -> None:
+        """Show the table and everything about the chosen step or surface."""
         shown = self._shown
         if shown is None:
             return
-        inspection = shown.inspection
-        step = inspection.steps[self._selected - 1] if self._selected is not None else None
-        self._panel.table.content = html.table_html(
-            inspection, self._palette, self._selected, self._panel.picked._impl.uuid
+        inspection, panel = shown.inspection, self._panel
+        step = step_of(inspection, self._selected)
+        uuid = panel.picked._impl.uuid
+        columns = html.columns_of(inspection, self._columns)
+        is_survey = inspection.params.method == "survey"
+        panel.show_survey_controls(is_survey)
+        panel.table.content = html.table_html(inspection, self._palette, self._selected, uuid, columns)
+        panel.card.content = card_html(inspection, self._selected, self._palette)
+        panel.rejected.content = rejected_html(
+            inspection, REJECTED_COLOR, self._selected_patch, uuid, is_shown=self._with_rejected and is_survey
         )
-        self._panel.offer_steps(len(inspection.steps), self._selected)
-        points = np.zeros((0, 3))
+        rejected = rejected_of(inspection)[:MOST_REJECTED] if self._with_rejected else []
+        chosen = NO_STEP if self._selected is None else str(self._selected)
+        panel.offer_steps(
+            (step.step_id for step in inspection.steps),
+            (patch.patch_id for patch in rejected),
+            chosen if self._selected_patch is None else f"{SURFACE} {self._selected_patch}",
+        )
+        self._show_chosen(shown, step)
+
+    def _show_chosen(self, shown: Shown, step: Step | None) -> None:
+        """Draw the chosen step with its dimensions, or the chosen surface, or nothing, over the segmentation."""
+        inspection = shown.inspection
+        corners, dimensions = None, None
         if step is not None:
-            points = shown.display.points[inspection.labels[shown.display.point_ids] == step.step_id]
-        self._stage_view.highlight(step, points)
+            # The chosen step's points are drawn larger, and the lines over them must lie higher.
+            lift_m = 2.0 * lift_of(shown.display.spacing_m, step.plane.rms_m)
+            corners = step.corners + lift_m * inspection.up.vector
+            dimensions = dimensions_of(inspection, step, lift_m)
+        has_lines = dimensions is not None and len(dimensions.arrows) + len(dimensions.measuring) > 0
+        self._stage_view.highlight(
+            points_of(inspection, shown.display, self._selected, self._selected_patch),
+            corners,
+            ground_of(self._palette) if has_lines else HIGHLIGHT,
+        )
+        self._stage_view.show_dimensions(self._selected, dimensions, self._palette)
+
+    def _chosen_place(self) -> tuple[float, float, float]:
+        """Return the centroid of the chosen step's or surface's patch, metres in the scan frame."""
+        inspection = self._shown.inspection if self._shown is not None else None
+        step = step_of(inspection, self._selected)
+        if inspection is None or (step is None and self._selected_patch is None):
+            raise ConfigError("mark as: choose a step or a rejected surface first")
+        if inspection.params.method == "paper":
+            raise ConfigError("mark as: the paper's method takes no decisions; set the method to survey")
+        own = [
+            patch
+            for patch in inspection.patches
+            if patch.patch_id == self._selected_patch or (step is not None and patch.step_id == step.step_id)
+        ]
+        plane = max(own, key=lambda patch: patch.area_m2).plane if own else None
+        if plane is None and step is not None:
+            plane = step.plane
+        if plane is None:
+            raise ConfigError("mark as: the chosen surface is no longer there")
+        x, y, z = (float(coordinate) for coordinate in plane.centroid + np.array(inspection.scan.origin_m))
+        return (x, y, z)
 
     def _look(self, view: View) -> None:
         if self._shown is None:
@@ -490,8 +607,13 @@ class Session:
         return guarded
 
 
-def _step_number(value: object) -> int:
+def _read_choice(value: object) -> tuple[int | None, int | None]:
+    """Return the step or the surface that an option of the menu or a row names; neither for none."""
+    words = str(value).split(" ")
+    if words == [NO_STEP]:
+        return None, None
     try:
-        return int(str(value))
+        number = int(words[-1])
     except ValueError as error:
         raise ConfigError(f"step: got {str(value)[:40]!r}; give a number") from error
+    return (None, number) if words[0] == SURFACE else (number, None)

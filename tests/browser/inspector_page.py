@@ -43,21 +43,38 @@ def find_browser():
 
 
 def rows_of(inspection):
-    """What the side table must say of an inspection: the floor's row, then one for each step, as text."""
-
-    def mm(value_m, digits=1):
-        return "–" if value_m is None else f"{1000.0 * value_m:.{digits}f}"
-
+    """What the side table must say of an inspection in the paper's columns: the floor's row, then one for each step."""
     floor = inspection.floor
     rows = []
     if floor is not None:
-        rows = [["floor", mm(inspection.floor_h_m), "", "", "", "", f"{floor.n_points:,}", mm(floor.rms_m, 2)]]
+        rows = [["floor", _mm(inspection.floor_h_m), "", "", "", "", f"{floor.n_points:,}", _mm(floor.rms_m, 2)]]
     for step in inspection.steps:
         of = step.paper
         slope = "–" if of.theta_deg is None else f"{of.theta_deg:.2f}"
-        lengths = [mm(length) for length in (of.h_m, of.d_fb_m, of.d_ff_m, of.w_m)]
-        rows.append([str(step.step_id), *lengths, slope, f"{step.plane.n_points:,}", mm(step.plane.rms_m, 2)])
+        lengths = [_mm(length) for length in (of.h_m, of.d_fb_m, of.d_ff_m, of.w_m)]
+        rows.append([str(step.step_id), *lengths, slope, f"{step.plane.n_points:,}", _mm(step.plane.rms_m, 2)])
     return rows if inspection.steps else [*rows, ["No steps."]]
+
+
+def survey_rows_of(inspection):
+    """What the rows of steps must say in the survey's columns: number, four lengths and the pitch, each with its u."""
+    return [
+        [
+            str(step.step_id),
+            *(_with_u(each, 1000.0) for each in (step.rise_m, step.going_m, step.tread_depth_m, step.width_m)),
+            _with_u(step.pitch_deg, 1.0),
+        ]
+        for step in inspection.steps
+    ]
+
+
+def _mm(value_m, digits=1):
+    return "–" if value_m is None else f"{1000.0 * value_m:.{digits}f}"
+
+
+def _with_u(measured, scale):
+    """Return ``(value, u)`` as shown, u within its last digit; None for a dash."""
+    return None if measured is None else (round(scale * measured.value, 1), scale * measured.u)
 
 
 def click_at_once(element):
@@ -113,6 +130,26 @@ class InspectorPage:
             "() => [...document.querySelectorAll('[data-testid=steps-table] tbody tr')]"
             ".map((row) => [...row.cells].map((cell) => cell.innerText.trim()))"
         )
+
+    def survey_table(self):
+        """The rows of steps in the survey's columns: number, then value and u of each quantity, None for a dash."""
+
+        def read(cell):
+            if cell == "–":
+                return None
+            value, u = cell.split("±")
+            return float(value), float(u)
+
+        rows = [cells for cells in self.table() if len(cells) == 7]
+        return [[cells[0].split()[0], *(read(cell) for cell in cells[1:6])] for cells in rows]
+
+    def await_columns(self, columns):
+        self.page.locator(f"[data-testid=steps][data-columns={columns}]").wait_for()
+
+    def choose_columns(self, columns):
+        """Show the survey's or the paper's columns."""
+        click_at_once(self.page.get_by_role("button", name=columns.capitalize(), exact=True))
+        self.await_columns(columns)
 
     def selected_rows(self):
         return [
@@ -283,6 +320,10 @@ class InspectorPage:
             self.page.locator("[data-testid=scan]", has_text="stair.ply").wait_for()
             self.tab("Tune")
         self.await_result(*PRESET)
+        if self.page.get_by_label("Show rejected surfaces").is_checked():
+            click_at_once(self.page.get_by_label("Show rejected surfaces"))
+        if self.by_id("steps").get_attribute("data-columns") != "survey":
+            self.choose_columns("survey")
         for step in self.selected_rows():
             click_at_once(self.page.locator(f"[data-testid=step-row][data-step='{step}']"))
         self.await_selection()

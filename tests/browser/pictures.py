@@ -6,7 +6,7 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 from stair_inspector.files.paths import sample_scans
-from stair_inspector.params import Params
+from stair_inspector.files.settings import find_preset
 from stair_inspector.viewer.app import App
 from tests.browser.inspector_page import ARGUMENTS, find_browser
 
@@ -15,7 +15,7 @@ IMAGES = Path(__file__).parents[2] / ".github" / "images"
 
 def main() -> None:
     """Photograph the page on the sample scan, both clouds side by side, one step chosen."""
-    app = App([sample_scans() / "straight.ply"], Params(), port=0)
+    app = App([sample_scans() / "straight.ply"], find_preset("tls").params, port=0)
     try:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))

@@ -25,6 +25,7 @@ def step_rows(page):
 
 
 def test_the_csv_says_what_the_table_says(page):
+    page.choose_columns("paper")
     page.press("α_f [%]", "ArrowLeft")
     page.await_result("α 94.5/5 %")
     name, content = page.download("CSV")
@@ -38,6 +39,7 @@ def test_the_csv_says_what_the_table_says(page):
 
 
 def test_the_json_is_valid_and_says_what_the_table_says(page):
+    page.choose_columns("paper")
     name, content = page.download("JSON")
     assert name == "stair.json"
     document = json.loads(content)
@@ -80,6 +82,7 @@ def test_the_screenshot_opens_and_shows_the_steps(page):
 
 
 def test_another_scan_is_measured_and_its_name_is_text_even_if_it_looks_like_html(page, measured):
+    page.choose_columns("paper")
     page.tab("Scan")
     page.choose("Scan", HOSTILE_NAME)
     page.page.locator("[data-testid=scan]", has_text="<img").wait_for()
@@ -96,6 +99,7 @@ def test_another_scan_is_measured_and_its_name_is_text_even_if_it_looks_like_htm
 
 
 def test_a_broken_scan_is_a_sentence_and_the_good_one_works_again(page, measured):
+    page.choose_columns("paper")
     good = page.table()
     page.tab("Scan")
     page.choose("Scan", "broken.ply")

@@ -2,13 +2,30 @@
 
 import pytest
 
-from tests.browser.inspector_page import rows_of
+from tests.browser.inspector_page import rows_of, survey_rows_of
+
+
+def assert_survey_table(page, inspection):
+    shown, wanted = page.survey_table(), survey_rows_of(inspection)
+    assert [row[0] for row in shown] == [row[0] for row in wanted]
+    for cells, values in zip(shown, wanted, strict=True):
+        for cell, value in zip(cells[1:], values[1:], strict=True):
+            assert (cell is None) == (value is None)
+            if value is not None:
+                assert cell[0] == pytest.approx(value[0], abs=0.051)
+                # Two digits or one decimal; never shown as nothing.
+                assert cell[1] == pytest.approx(value[1], abs=max(0.0051, 0.06 * value[1], 0.051 * (value[1] > 0.09)))
+                assert cell[1] > 0.0
 
 
 def test_a_page_opens_with_the_measurement(page, measured):
     inspection = measured()
-    assert len(inspection.steps) == 5
+    assert len(inspection.steps) == len(page.survey_table()) == 5
+    assert_survey_table(page, inspection)
+    page.choose_columns("paper")
     assert page.table() == rows_of(inspection)
+    page.choose_columns("survey")
+    assert_survey_table(page, inspection)
     assert "up to date" in page.text("status")
     assert "5 steps" in page.text("n-steps")
     assert "stair.ply" in page.text("scan")
@@ -33,6 +50,7 @@ def test_a_page_opens_with_the_measurement(page, measured):
     ],
 )
 def test_a_slider_moved_by_keyboard_changes_the_table(page, measured, label, key, setting, value, used):
+    page.choose_columns("paper")
     before = page.table()
     page.press(label, key)
     page.await_result(used)
@@ -49,6 +67,7 @@ def test_a_slider_moved_by_keyboard_changes_the_table(page, measured, label, key
     ],
 )
 def test_a_menu_changes_the_table(page, measured, tab, label, option, setting, used):
+    page.choose_columns("paper")
     before = page.table()
     page.tab(tab)
     page.choose(label, option)
@@ -58,6 +77,7 @@ def test_a_menu_changes_the_table(page, measured, tab, label, option, setting, u
 
 
 def test_an_up_vector_of_ones_own(page, measured):
+    page.choose_columns("paper")
     page.tab("Scan")
     page.choose("Up", "vector")
     page.await_result("up (0.000, 0.000, 1.000) given")
@@ -76,6 +96,7 @@ def test_an_up_that_leaves_no_staircase_says_so(page):
 
 
 def test_a_number_out_of_range_is_a_sentence_and_the_good_table_stays_dimmed(page, measured):
+    page.choose_columns("paper")
     good = page.table()
     page.type_number("α_f [%]", 500)
     sentence = page.await_error()
@@ -123,6 +144,7 @@ def test_a_hostile_step_and_view_are_sentences(page):
 
 
 def test_reset_brings_back_the_preset(page, measured):
+    page.choose_columns("paper")
     good = page.table()
     page.press("α_f [%]", "End")
     page.await_result("α 100/5 %")

@@ -11,6 +11,10 @@ from stair_inspector.simulate.specs import Scanner, Stair
 
 def test_two_inspectors_do_not_disturb_each_other(page, open_page, app):
     other = open_page()
+    # One inspector's columns are not the other's.
+    page.choose_columns("paper")
+    other.await_columns("survey")
+    other.choose_columns("paper")
     assert app.n_sessions == 2
     before = other.table()
     page.press("α_f [%]", "Home")

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from stair_inspector.files.palettes import read_palette
+from stair_inspector.viewer.scene import ground_of
 from tests.browser.inspector_page import VIEW_PANEL, share_changed
 
 PALETTE = read_palette("page")
-HIGHLIGHT = (0, 214, 230)
 
 
 def share_of(color, picture, within=6):
@@ -76,7 +76,11 @@ def test_a_click_on_a_row_selects_the_step_and_a_second_click_puts_it_away(page)
     page.await_selection(2)
     page.await_node("/stair/segments/selected")
     assert page.page.get_by_label("Selected step").first.input_value() == "2"
-    assert share_of(HIGHLIGHT, page.still_picture(unlike=plain)) > 0.002
+    picture = page.still_picture(unlike=plain)
+    assert share_of(ground_of(PALETTE), picture) > 0.002
+    # The outline: no other bright colour has so little red, and the browser makes a line's colour paler.
+    red, green, blue = np.moveaxis(picture, 2, 0)
+    assert ((np.minimum(green, blue) > 195) & (green - red > 80)).mean() > 0.001
     page.click_row(4)
     page.await_selection(4)
     page.click_row(4)

@@ -1,5 +1,6 @@
 """The controls show the settings, give them back, and let nothing else through, whatever a page sends."""
 
+import dataclasses
 import math
 from types import SimpleNamespace
 
@@ -7,8 +8,8 @@ import pytest
 import viser
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import Params, knob_of
-from stair_inspector.viewer.panel import SLIDERS, Actions, Panel, label_of
+from stair_inspector.params import Params, knob_of, parse_force
+from stair_inspector.viewer.panel import SLIDERS, TEXTS, Actions, Panel, label_of, with_decision
 from tests.synthetic import CHANGES
 
 
@@ -21,7 +22,7 @@ def server():
 
 @pytest.fixture
 def panel(server):
-    names = ("settings", "reset", "scan", "mode", "view", "theme", "point_size", "select", "pick", "download")
+    names = [item.name.removeprefix("on_") for item in dataclasses.fields(Actions)]
     called = []
     actions = Actions(**{f"on_{name}": lambda *values, name=name: called.append((name, *values)) for name in names})
     panel = Panel(server, ("a.ply", "b.ply"), Params(), actions)
@@ -47,6 +48,38 @@ def test_every_setting_that_has_a_control_goes_there_and_back(panel):
     assert wanted != Params()
     panel.load(wanted)
     assert panel.read() == wanted
+    panel.load(Params())
+    assert panel.read() == Params()
+
+
+def test_all_settings_at_once_go_there_and_back_whether_they_have_a_control_or_not(panel):
+    wanted = Params()
+    for name, value in CHANGES.items():
+        wanted = wanted.replaced(name, value)
+    panel.load(wanted)
+    assert panel.read() == wanted
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("patches.cell_m", "flights.max_gap_m", "flights.turn_deg", "survey.line_percent", "survey.band_m"),
+        *("survey.edge_source", "uncertainty.registration_m", "uncertainty.up_deg", "uncertainty.scale_percent"),
+        *("overrules.force", "overrules.climb", "overrules.region"),
+    ],
+)
+def test_the_survey_has_a_control_for(panel, name):
+    wanted = Params().replaced(name, CHANGES[name])
+    panel.load(wanted)
+    held = panel._controls[name].value
+    panel.load(Params())
+    assert panel._controls[name].value != held
+    assert panel.read() == Params()
+
+
+def test_two_controls_never_have_the_same_label(panel, server):
+    labels = [control.label for control in panel._controls.values()]
+    assert len(set(labels)) == len(labels)
 
 
 def test_settings_without_a_control_are_kept(panel):
@@ -67,10 +100,13 @@ def test_what_the_server_sets_starts_no_run(panel):
     panel.load(Params().replaced("levels.eps_m", 0.05).replaced("method", "paper"))
     panel.show_scan_name("b.ply")
     panel.show_point_size(0.012)
-    panel.offer_steps(4, 2)
+    panel.offer_steps((1, 2, 3, 4), (12,), "2")
+    panel.overrule((1.0, 2.0, 3.0), "tread")
+    panel.clear_overrules()
+    panel.show_survey_controls(True)
     assert panel.called == []
     assert panel._point_size.value == 12.0
-    assert (panel.selected.options, panel.selected.value) == (("none", "1", "2", "3", "4"), "2")
+    assert (panel.selected.options, panel.selected.value) == (("none", "1", "2", "3", "4", "surface 12"), "2")
 
 
 @pytest.mark.parametrize("size_m", [0.0, 1.0])
@@ -122,3 +158,57 @@ def test_an_up_vector_that_is_none_is_a_sentence(panel, vector):
     panel._up_vector = SimpleNamespace(value=vector)
     with pytest.raises(ConfigError, match=r"^up: got"):
         panel.read()
+
+
+def test_a_text_counts_from_when_it_is_submitted(panel):
+    hold(panel, "overrules.force", "level:2=rej")
+    assert panel.read() == Params()
+    panel.submit_texts()
+    with pytest.raises(ConfigError, match=r"^overrules\.force: got 'level:2=rej'"):
+        panel.read()
+    hold(panel, "overrules.force", "level:2=rejected")
+    panel.submit_texts()
+    assert panel.read() == Params().replaced("overrules.force", "level:2=rejected")
+    assert panel.called == []
+
+
+@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize("value", ["<script>", "1,2", 3, None, ["x"], "x" * 100_000, "nan,nan,nan"])
+def test_a_text_lets_nothing_through_but_what_the_setting_takes(panel, name, value):
+    hold(panel, name, value)
+    panel.submit_texts()
+    with pytest.raises(ConfigError) as error:
+        panel.read()
+    assert str(error.value).startswith(f"{name}: ")
+    assert len(str(error.value)) < 300
+
+
+def test_a_decision_about_a_place_is_added_to_what_is_submitted_and_shown(panel):
+    panel.load(Params().replaced("overrules.force", "level:3=rejected"))
+    # What is only half written is not submitted by the way.
+    panel._controls["overrules.force"].value = "level:3=rej"
+    panel.overrule((1.23456, -0.00001, 300.0), "landing")
+    force = "level:3=rejected; at:1.235,0.000,300.000=landing"
+    assert panel._controls["overrules.force"].value == force
+    assert panel.read().overrules.force == force
+    panel.overrule((1.23456, -0.00001, 300.0), "tread")
+    assert panel.read().overrules.force == force.replace("landing", "tread")
+
+
+@pytest.mark.parametrize("kind", ["tread", "landing", "rejected"])
+@pytest.mark.parametrize("place", [(0.0, 0.0, 0.0), (-1.5, 2.25, 1e-9), (4.5e5, -5.4e6, 123.4567)])
+def test_a_decision_is_read_back_as_it_was_made(kind, place):
+    (force,) = parse_force(with_decision("", place, kind))
+    assert (force.target, force.kind) == ("at", kind)
+    assert force.point_m == pytest.approx(place, abs=0.0005001)
+
+
+def test_clearing_empties_every_overrule_and_nothing_else(panel):
+    wanted = Params().replaced("levels.eps_m", 0.05)
+    full = wanted
+    for name in TEXTS:
+        full = full.replaced(name, CHANGES[name])
+    panel.load(full)
+    assert panel.read() == full
+    panel.clear_overrules()
+    assert panel.read() == wanted

@@ -7,9 +7,11 @@ import pytest
 
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.pipeline import inspect
-from stair_inspector.viewer.display import choose_display
-from stair_inspector.viewer.scene import _linear, draw, extent_of, quaternion, view_from_local
+from stair_inspector.viewer.display import REJECTED_COLOR, choose_display
+from stair_inspector.viewer.scene import _linear, draw, extent_of, points_of, quaternion, view_from_local
+from stair_inspector.viewer.survey_html import MOST_REJECTED
 from tests.synthetic import Stair, exact_params, motion, rotation
+from tests.viewer.surveyed import surveyed
 
 PALETTE = read_palette("page")
 
@@ -21,7 +23,7 @@ def scan():
 
 @pytest.fixture(scope="module")
 def inspection(scan):
-    return inspect(scan, exact_params())
+    return inspect(scan, exact_params(method="paper"))
 
 
 @pytest.mark.parametrize("most", [10**6, 700])
@@ -123,3 +125,82 @@ def test_the_browser_turns_the_light_of_a_line_back_into_its_colour():
     shown = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     # Half a step of the light is up to three of the colour in this range.
     np.testing.assert_allclose(255.0 * shown, colors, atol=3.0)
+
+
+def test_the_nosing_lines_of_the_survey_take_the_place_of_the_front_edges():
+    scan, inspection, display = surveyed()
+    drawing = draw(inspection, display, scan.points, PALETTE)
+    assert drawing.nosings.shape == (5, 2, 3)
+    for step, nosing in zip(inspection.steps, drawing.nosings, strict=True):
+        lift = nosing - step.nosing
+        np.testing.assert_allclose(lift[0], lift[1])
+        np.testing.assert_allclose(lift[0], (lift[0] @ inspection.up.vector) * inspection.up.vector, atol=1e-12)
+        assert 0.0 < lift[0] @ inspection.up.vector <= display.spacing_m + 2.0 * step.plane.rms_m + 1e-12
+    assert len(drawing.edges) == 15
+    assert not (drawing.edge_colors == np.array(PALETTE.front_edge)).all(axis=1).any()
+
+
+def test_a_step_whose_nosing_is_not_known_keeps_its_front_edge():
+    scan, inspection, display = surveyed()
+    steps = (dataclasses.replace(inspection.steps[0], nosing=None), *inspection.steps[1:])
+    drawing = draw(dataclasses.replace(inspection, steps=steps), display, scan.points, PALETTE)
+    assert len(drawing.nosings) == 4
+    front = drawing.edges[(drawing.edge_colors == np.array(PALETTE.front_edge)).all(axis=1)]
+    assert front.shape == (1, 2, 3)
+    flat = np.abs((front[0] - steps[0].corners[:2]) @ np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]))
+    assert flat.max() < 1e-9
+
+
+def test_rejected_surfaces_have_a_colour_and_a_name_only_when_they_are_shown():
+    scan, inspection, display = surveyed()
+    plain = draw(inspection, display, scan.points, PALETTE)
+    shown = draw(inspection, display, scan.points, PALETTE, with_rejected=True)
+    is_rejected = np.isin(inspection.patch_ids[display.point_ids], [6, 7])
+    assert is_rejected.sum() > 100
+    assert (shown.colors[is_rejected] == np.array(REJECTED_COLOR)).all()
+    np.testing.assert_array_equal(shown.colors[~is_rejected], plain.colors[~is_rejected])
+    assert not (plain.colors == np.array(REJECTED_COLOR)).all(axis=1).any()
+    assert plain.rejected == ()
+    # The largest first.
+    assert [name for name, _ in shown.rejected] == ["surface 7", "surface 6"]
+    for name, place in shown.rejected:
+        np.testing.assert_array_equal(place, inspection.patches[int(name.split(" ")[1])].plane.centroid)
+
+
+def test_very_many_rejected_surfaces_are_all_coloured_and_the_largest_named():
+    scan, inspection, display = surveyed()
+    one = inspection.patches[-1]
+    patches = tuple(dataclasses.replace(one, patch_id=k, area_m2=0.01 * k) for k in range(50))
+    many = dataclasses.replace(inspection, patches=patches)
+    drawing = draw(many, display, scan.points, PALETTE, with_rejected=True)
+    assert [name for name, _ in drawing.rejected][:2] == ["surface 49", "surface 48"]
+    assert len(drawing.rejected) == MOST_REJECTED
+    assert (drawing.colors[inspection.patch_ids == 3] == np.array(REJECTED_COLOR)).all()
+
+
+def test_no_palette_has_the_colour_of_rejected_surfaces():
+    for palette in (PALETTE, read_palette("page_dark")):
+        others = np.array([*palette.steps, palette.floor, palette.non_stair, palette.front_edge, palette.measure])
+        assert np.abs(others - np.array(REJECTED_COLOR)).max(axis=1).min() > 40
+
+
+def test_the_points_of_a_choice_are_those_of_the_step_or_of_the_surface():
+    _, inspection, display = surveyed()
+    np.testing.assert_array_equal(points_of(inspection, display, 2, None), display.points[inspection.labels == 2])
+    np.testing.assert_array_equal(points_of(inspection, display, None, 7), display.points[inspection.patch_ids == 7])
+    assert points_of(inspection, display, None, None).shape == (0, 3)
+    paper = dataclasses.replace(inspection, patch_ids=None)
+    assert points_of(paper, display, None, 7).shape == (0, 3)
+
+
+@pytest.mark.parametrize("turn", [np.eye(3), rotation("z", 130.0), rotation("x", 75.0) @ rotation("y", -40.0)])
+def test_the_view_follows_the_climb_of_the_first_flight(turn):
+    _, inspection, _ = surveyed(turn)
+    # Axes that would turn the view aside, as the paper's do on a long flight.
+    axes = dataclasses.replace(inspection.axes, width=inspection.axes.depth, depth=-inspection.axes.width)
+    for bare in (dataclasses.replace(inspection, axes=axes), dataclasses.replace(inspection, axes=None)):
+        view = view_from_local(bare)
+        np.testing.assert_allclose(view @ view.T, np.eye(3), atol=1e-9)
+        assert np.linalg.det(view) == pytest.approx(1.0)
+        np.testing.assert_allclose(view @ turn[:, 0], [0.0, 1.0, 0.0], atol=1e-6)
+        np.testing.assert_allclose(view @ inspection.up.vector, [0.0, 0.0, 1.0], atol=1e-12)

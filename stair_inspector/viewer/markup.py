@@ -1,0 +1,94 @@
+"""Small pieces of HTML that the parts of the page share; every text that could come from a file is escaped."""
+
+import html
+import json
+
+from stair_inspector.files.palettes import Rgb
+
+DIM = "var(--mantine-color-dimmed)"
+LINE = "var(--mantine-color-default-border)"
+CHOSEN = "rgba(0, 214, 230, 0.22)"
+_LEFT = "text-align:left;padding:3px 4px 3px 8px"
+_RIGHT = "text-align:right;padding:3px 4px"
+SURFACE = "surface"
+"""Word before a surface's number, where a step has its number alone."""
+
+
+def text(value: object) -> str:
+    """Return a value as text that is safe inside HTML and inside a quoted attribute."""
+    return html.escape(str(value), quote=True)
+
+
+def mm(value_m: float | None, digits: int = 1) -> str:
+    """Return a length in millimetres, or a dash for what is not known."""
+    return "–" if value_m is None else f"{value_m * 1000.0:.{digits}f}"
+
+
+def tidy(value: float, digits: int) -> float:
+    """Return the value rounded, and zero without a sign."""
+    return round(float(value), digits) + 0.0
+
+
+def chip(color: Rgb, width: int = 11, height: int = 11) -> str:
+    """Return a small patch of colour, pixels."""
+    # The thin outline keeps black and white chips visible on either theme.
+    return (
+        f'<span style="display:inline-block;width:{width}px;height:{height}px;border-radius:2px;'
+        f'background:rgb{color};outline:1px solid {LINE};vertical-align:-1px;margin-right:2px"></span>'
+    )
+
+
+def table_head(columns: tuple[tuple[str, str, str], ...], left: tuple[str, ...] = ()) -> str:
+    """Return the head of a table: name, unit and explanation of each column; those in ``left`` are no numbers."""
+    cells = "".join(
+        f'<th title="{text(hint)}" style="{_LEFT if name in left else _RIGHT};font-weight:600;white-space:nowrap;'
+        f'position:sticky;top:0">{text(name)}<div style="font-weight:400;font-size:10px;color:{DIM}">'
+        f"{text(unit) or '&nbsp;'}</div></th>"
+        for name, unit, hint in columns
+    )
+    return f'<thead><tr style="border-bottom:1px solid {LINE}">{cells}</tr></thead>'
+
+
+def row_start(pick_uuid: str | None, number: int, word: str, *, is_selected: bool) -> str:
+    """Return the opening tag of a table's row that chooses a step or a surface when it is clicked.
+
+    Parameters
+    ----------
+    pick_uuid : str, optional
+        Identity of the control that a click writes to; None for a row that cannot be clicked.
+    number : int
+        Of the step or surface.
+    word : str
+        Empty for a step, :data:`SURFACE` for a surface.
+    is_selected : bool
+        Whether the row is emphasised.
+    """
+    style = f"border-bottom:1px solid {LINE};"
+    style += f"background:{CHOSEN};font-weight:600;" if is_selected else ""
+    click = ""
+    if pick_uuid is not None:
+        script = pick_script(pick_uuid, number, word)
+        on_key = f"if(event.key==='Enter'){{{script}}}"
+        click = f' tabindex="0" onclick="{text(script)}" onkeydown="{text(on_key)}"'
+        style += "cursor:pointer;"
+    kind = word or "step"
+    return (
+        f'<tr data-testid="{kind}-row" data-{kind}="{number}" aria-selected="{"true" if is_selected else "false"}" '
+        f'style="{style}"{click}>'
+    )
+
+
+def pick_script(pick_uuid: str, number: int, word: str = "") -> str:
+    """Return the script of a row: it writes the step or surface into a hidden control, as if typed there.
+
+    viser has no clickable table. This uses the hook that its own tests use, hence the exact version in
+    ``pyproject.toml`` and a browser test of it; choosing by the menu or in the scene works without. The time makes a
+    second click on the same row a new value.
+    """
+    name = f"{word} {int(number)}".strip()
+    # A JSON string is a script string too.
+    return (
+        "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',uuid:"
+        + json.dumps(pick_uuid)
+        + f",updates:{{value:'{name}:'+Date.now()}}}})"
+    )
