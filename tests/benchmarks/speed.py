@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from io import BytesIO
 
 import numpy as np
@@ -32,6 +33,12 @@ SLIDERS = (
     ("theta_th", "horizontal.theta_deg", (15.0, 14.5), 120.0),
 )
 """Name, setting, the two values between which it moves, and the milliseconds that feel like at once."""
+_SURVEY_SETTINGS = (
+    ("edge source", "survey.edge_source", ("face", "auto"), 150.0),
+    ("largest gap", "flights.max_gap_m", (0.1, 0.15), 150.0),
+    ("outer lines", "survey.line_percent", (20.0, 15.0), 150.0),
+    ("eps_z", "levels.eps_m", (0.021, 0.02), None),
+)
 _ORACLE = f"""
 import io, sys, time, numpy as np
 from sklearn.cluster import DBSCAN
@@ -80,8 +87,8 @@ def time_ms(call: Callable[[], object]) -> float:
 
 
 def measure_sliders(scan: Scan, repeats: int) -> list[Row]:
-    """Median of ``repeats`` changes of each slider, beside a run from scratch."""
-    params = Params(up="z", unit="m")
+    """Median of ``repeats`` changes of each slider with the paper's method, beside a run from scratch."""
+    params = Params(up="z", unit="m", method="paper")
     memo = Memo()
     scratch_ms = time_ms(lambda: inspect(scan, params, memo))
     found = inspect(scan, params, memo).levels
@@ -94,6 +101,31 @@ def measure_sliders(scan: Scan, repeats: int) -> list[Row]:
         inspect(scan, params, memo)
         ms = statistics.median(times[1:])
         rows.append(Row(f"{label} change", ms, budget_ms, scratch_ms / ms, "run from scratch"))
+    return rows
+
+
+def measure_survey(scan: Scan, repeats: int) -> list[Row]:
+    """What the survey adds to a run from scratch, and how long a change of one of its settings takes."""
+    rows = []
+    for up in ("auto", "z"):
+        # The quicker of two runs each, in turn: the rest is what else the machine does.
+        runs = {"paper": [], "survey": []}
+        for method in ("paper", "survey", "paper", "survey"):
+            params = Params(up=up, unit="m", method=method)
+            runs[method].append(time_ms(partial(inspect, scan, params, Memo())))
+        paper_ms, survey_ms = min(runs["paper"]), min(runs["survey"])
+        added = 100.0 * (survey_ms / paper_ms - 1.0)
+        compared = f"the paper's method {paper_ms:,.0f} ms: {added:+.0f} %"
+        rows.append(Row(f"survey from scratch, up {up}", survey_ms, None, paper_ms / survey_ms, compared))
+    params = Params(up="z", unit="m")
+    memo = Memo()
+    inspect(scan, params, memo)
+    for label, name, values, budget_ms in _SURVEY_SETTINGS:
+        changed = [params.replaced(name, values[k % 2]) for k in range(repeats + 1)]
+        times = [time_ms(partial(inspect, scan, settings, memo)) for settings in changed]
+        ms = statistics.median(times[1:])
+        rows.append(Row(f"{label} change, survey", ms, budget_ms, survey_ms / ms, "survey from scratch"))
+        inspect(scan, params, memo)
     return rows
 
 
@@ -174,6 +206,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     print(f"median of {args.repeats} changes")
     print(HEAD, flush=True)
     for row in measure_sliders(scan, args.repeats):
+        print(row, flush=True)
+    for row in measure_survey(scan, args.repeats):
         print(row, flush=True)
     print(measure_normals(scan), flush=True)
     if args.heights:
