@@ -72,7 +72,11 @@ def refine_up(scan: Scan, normals: Normals, up: Up) -> Up:
     floor_up = up if base_noise_deg is None else replace(up, u_deg=2.0 * base_noise_deg)
     if by_floor.n_treads < _FEWEST_TREADS:
         return floor_up
-    limit_deg = max(_AGREE_DEG, _SIGMAS * math.hypot(by_floor.tread_noise_deg, base_noise_deg or 0.0))
+    # Where the treads are the better known, an uneven floor's own doubt must not hide that it leans.
+    floor_noise_deg = base_noise_deg or 0.0
+    is_floor_better = floor_noise_deg <= by_floor.tread_noise_deg
+    doubt_deg = math.hypot(by_floor.tread_noise_deg, floor_noise_deg if is_floor_better else 0.0)
+    limit_deg = max(_AGREE_DEG, _SIGMAS * doubt_deg)
     apart_deg = math.degrees(math.atan(float(np.hypot(*by_floor.tread_slope))))
     if apart_deg <= limit_deg:
         if apart_deg > _SURE_DEG and floor_up.u_deg is not None:
