@@ -136,7 +136,12 @@ def off_by(inspection: Inspection, truth: dict[str, Any], limit: float) -> list[
     return wrong
 
 
-@pytest.mark.parametrize("name", PRESETS)
+SLOW_SAMPLES = ("long_landing", "ceiling_clutter", "handheld_noisy")
+"""Their normals take seconds; the slow run measures them."""
+PRESETS_MARKED = [pytest.param(name, marks=pytest.mark.slow if name in SLOW_SAMPLES else ()) for name in PRESETS]
+
+
+@pytest.mark.parametrize("name", PRESETS_MARKED)
 def test_the_survey_finds_every_step_and_only_those(name: str) -> None:
     truth, inspection = truth_of(name), survey_sample(name)
     assert [step.kind for step in inspection.steps] == [step["kind"] for step in truth["steps"]]
@@ -144,7 +149,7 @@ def test_the_survey_finds_every_step_and_only_those(name: str) -> None:
     assert "no_staircase" not in {note.code for note in inspection.notes}
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PRESETS_MARKED)
 def test_every_value_is_measured_or_its_absence_noted(name: str) -> None:
     inspection = survey_sample(name)
     tops = {flight.step_ids[-1] for flight in inspection.flights}
@@ -160,7 +165,7 @@ def test_every_value_is_measured_or_its_absence_noted(name: str) -> None:
     "name",
     [
         "straight",
-        "handheld_noisy",
+        pytest.param("handheld_noisy", marks=pytest.mark.slow),
         "defective_step",
     ],
 )
@@ -168,6 +173,7 @@ def test_every_value_is_within_three_times_its_uncertainty(name: str) -> None:
     assert off_by(survey_sample(name), truth_of(name), 3.0) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["long_landing", "ceiling_clutter"])
 def test_every_value_is_within_its_uncertainty_once_the_registration_is_stated(name: str) -> None:
     assert off_by(survey_sample(name, is_stated=True), truth_of(name), 3.0) == []
@@ -186,18 +192,21 @@ def test_the_surveys_rises_show_the_defective_riser_and_its_going() -> None:
     assert abs(fall.value - 3.43) <= fall.u < 0.5
 
 
+@pytest.mark.slow
 def test_the_landing_of_the_long_sample_parts_two_flights() -> None:
     inspection = survey_sample("long_landing")
     assert [flight.step_ids for flight in inspection.flights] == [tuple(range(1, 9)), tuple(range(9, 16))]
     assert inspection.steps[7].kind == "landing"
 
 
+@pytest.mark.slow
 def test_the_landing_of_the_long_sample_has_its_going() -> None:
     landing = survey_sample("long_landing", is_stated=True).steps[7].going_m
     assert landing is not None
     assert landing.value == pytest.approx(1.25, abs=3.0 * landing.u)
 
 
+@pytest.mark.slow
 def test_ceiling_table_and_boxes_of_the_cluttered_sample_are_rejected() -> None:
     inspection = survey_sample("ceiling_clutter")
     rejected = [patch.reason for patch in inspection.patches if patch.kind == "rejected"]

@@ -576,6 +576,7 @@ def test_a_depth_cameras_five_steps_with_its_preset():
     assert [step.kind for step in inspection.steps] == ["tread"] * 5
 
 
+@pytest.mark.slow
 @pytest.mark.real
 @has_captures
 def test_a_robots_map_of_entrance_stairs():
@@ -585,6 +586,7 @@ def test_a_robots_map_of_entrance_stairs():
     assert rises[:3] == pytest.approx((0.172, 0.169, 0.164), abs=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.real
 @has_captures
 @pytest.mark.parametrize("name", ["apartment_no_stairs.xyz", "tilted_platform_no_stairs.pcd"])
