@@ -87,13 +87,13 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
         nearest = memo.run("nearest", treads.find_nearest, horizontal, levels, surfaces, params.display)
         steps = memo.run("paper", paper.measure_steps, scan, up, surfaces, axes, edges, nearest)
     profile = memo.run("profile", find.profile_heights, horizontal)
-    common = (scan, params, up, axes, horizontal, levels, profile, surfaces)
+    found = conclude(scan, params, up, axes, horizontal, levels, profile, surfaces, steps, dict(memo.timings_s))
     if params.method == "paper":
-        return conclude(*common, steps, dict(memo.timings_s))
+        return found
     patches = memo.run("patches", split_levels, horizontal, levels, params.patches, params.levels)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
     chains = memo.run("flights", find_chains, patches, params.flights, params.patches.min_area_m2, forced)
     shapes = memo.run("nosings", find_shapes, heights, horizontal, patches, chains, params.survey.of_edges)
     how_sure = (params.survey, params.uncertainty, params.display)
     survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, *how_sure)
-    return conclude_survey(*common, patches, chains, forced, survey, dict(memo.timings_s))
+    return conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))

@@ -16,6 +16,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.exports import inspection_to_dict
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
+from stair_inspector.model import SURVEY_VALUES
 from stair_inspector.params import Params
 from stair_inspector.pipeline import Memo, inspect
 from stair_inspector.simulate.scanner import scan as scan_building
@@ -34,16 +35,6 @@ WITHIN_U = 2.5
 """An error of 2.5 u is one of 5 standard uncertainties."""
 MOST = {"rise": 0.6, "going": 1.2, "depth": 1.2, "overhang": 1.2, "pitch": 0.15, "fall": 0.5, "cross_fall": 0.1}
 """Largest error where the edges were seen, millimetres and degrees: so that no u excuses everything."""
-MEASURED = (
-    "rise_m",
-    "going_m",
-    "tread_depth_m",
-    "width_m",
-    "nosing_overhang_m",
-    "pitch_deg",
-    "fall_deg",
-    "cross_fall_deg",
-)
 NOSED = Stair(n_steps=5, spacing=0.01, risers=True, noise=0.001, seed=3, floor_depth=1.6)
 """A stair whose points are drawn from its surfaces, so that a turned or scaled copy has the same points exactly."""
 
@@ -99,7 +90,7 @@ def test_every_step_of_an_even_stair_has_every_value_but_the_landing():
     assert (flight.step_ids, flight.n_risers, flight.shape) == (tuple(range(1, 11)), 10, "straight")
     for step in inspection.steps[:-1]:
         assert (step.kind, step.flight) == ("tread", 1)
-        assert all(getattr(step, name) is not None for name in MEASURED)
+        assert all(getattr(step, name) is not None for name in SURVEY_VALUES)
         # From two stations only: the middle steps are seen at a grazing angle by both.
         assert 0.5 < step.coverage <= 1.0
     last = inspection.steps[-1]
@@ -263,7 +254,7 @@ def values_of(inspection, unit):
     """Every value and u of the survey in one unit, null as NaN."""
     rows = []
     for step in inspection.steps:
-        for name in MEASURED:
+        for name in SURVEY_VALUES:
             measured = getattr(step, name)
             if name.endswith(unit):
                 rows += [np.nan, np.nan] if measured is None else [measured.value, measured.u]
@@ -297,7 +288,7 @@ def test_a_turn_in_plan_moves_no_value_by_more_than_half_its_uncertainty(degrees
     still, after = inspect(NOSED.scan(), exact_params()), turned(degrees)
     assert len(after.steps) == len(still.steps) == NOSED.n_steps
     for step, other in zip(still.steps, after.steps, strict=True):
-        for name in MEASURED:
+        for name in SURVEY_VALUES:
             first, second = getattr(step, name), getattr(other, name)
             assert (first is None) == (second is None)
             if first is not None:
@@ -333,7 +324,7 @@ def test_u_is_the_root_of_the_squares_of_its_named_parts():
     inspection, _, _ = survey("even", uncertainty__scale_percent=0.1, uncertainty__edge_m=0.0005)
     seen = set()
     flights = [value for flight in inspection.flights for value in (flight.pitch_deg, flight.width_m)]
-    for measured in [getattr(step, name) for step in inspection.steps for name in MEASURED] + flights:
+    for measured in [getattr(step, name) for step in inspection.steps for name in SURVEY_VALUES] + flights:
         if measured is not None:
             parts = dict(measured.parts)
             seen |= parts.keys()
@@ -362,7 +353,7 @@ def test_what_the_user_states_enlarges_its_own_part_and_no_other(setting, value,
     plain = inspect(scan, exact_params(), memo)
     stated = inspect(scan, exact_params().replaced(setting, value), memo)
     for step, other in zip(plain.steps, stated.steps, strict=True):
-        for name in MEASURED:
+        for name in SURVEY_VALUES:
             first, second = getattr(step, name), getattr(other, name)
             if first is None:
                 assert second is None

@@ -15,23 +15,23 @@ from stair_inspector.files.palettes import Palette, Rgb, read_palette
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.settings import params_to_dict
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Flight, Inspection, Measured, PaperValues, Patch, Scan, Statistics, Step
+from stair_inspector.model import (
+    SURVEY_VALUES,
+    Flight,
+    Inspection,
+    Measured,
+    PaperValues,
+    Patch,
+    Scan,
+    Statistics,
+    Step,
+)
 from stair_inspector.params import Params, parse_force, parse_region, parse_up
 
 SCHEMA = "stair-inspector/inspection-1"
 _EDGE_SPACING_M = 0.002
 _EDGE_POINTS = 2000
 """Distance of the points that draw an edge in the debug PLY, and the most of them: a wrong unit makes long edges."""
-_SURVEY_FIELDS = (
-    "rise_m",
-    "going_m",
-    "tread_depth_m",
-    "width_m",
-    "nosing_overhang_m",
-    "pitch_deg",
-    "fall_deg",
-    "cross_fall_deg",
-)
 _LINES = ("left", "centre", "right")
 """The measuring lines as seen when climbing, in the order of ``rise_lcr_m`` and ``going_lcr_m``."""
 
@@ -210,7 +210,7 @@ def _step_to_dict(step: Step, origin: Floats) -> dict[str, Any]:
         "normal": None if step.plane.normal is None else step.plane.normal.tolist(),
         "rms_m": step.plane.rms_m,
         "paper": dataclasses.asdict(step.paper),
-        **{name: _measured_to_dict(getattr(step, name)) for name in _SURVEY_FIELDS},
+        **{name: _measured_to_dict(getattr(step, name)) for name in SURVEY_VALUES},
         "coverage": step.coverage,
         "rise_lcr_m": _lcr_to_list(step.rise_lcr_m),
         "going_lcr_m": _lcr_to_list(step.going_lcr_m),
@@ -298,7 +298,7 @@ def _step_to_row(step: Step) -> dict[str, Any]:
     """Return a step's cells by column, lengths turned from metres to millimetres."""
     values: list[Any] = [step.step_id, step.flight, step.kind, step.plane.n_points, step.plane.rms_m]
     values += dataclasses.astuple(step.paper)
-    for name in _SURVEY_FIELDS:
+    for name in SURVEY_VALUES:
         measured: Measured | None = getattr(step, name)
         values += [None, None] if measured is None else [measured.value, measured.u]
     values += [step.coverage, *_lcr(step.rise_lcr_m), *_lcr(step.going_lcr_m)]
@@ -326,7 +326,7 @@ def _with_uncertainty(name: str) -> tuple[str, str]:
 _QUANTITIES = (
     *("step", "flight", "kind", "n_points", "rms_m"),
     *(f"paper_{item.name}" for item in dataclasses.fields(PaperValues)),
-    *(column for name in _SURVEY_FIELDS for column in _with_uncertainty(name)),
+    *(column for name in SURVEY_VALUES for column in _with_uncertainty(name)),
     "coverage",
     *(f"{quantity}_{line}_m" for quantity in ("rise", "going") for line in _LINES),
 )

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Bools, Floats, freeze, project
+from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_extent_edge, find_face_edge
 from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.flights import angle_deg, turn_deg
 from stair_inspector.stages.patches import fit_trimmed
+from stair_inspector.stages.planes import FINE_M, MAD_TO_SIGMA, STRIP_M, block_means, fit_local, plane_of
 
 _FACE_NEAR_SIGMA = 2.2
 _FACE_NEAR_M = 0.003
@@ -29,8 +30,6 @@ _BESIDE_M = 0.15
 _STRAIGHT_ON_DEG = 10.0
 _WINDING_DEG = 8.0
 """A flight winds where its direction turns by more from step to step; the edges of patches are that uncertain."""
-_STRIP_M = 0.6
-_MOST_TO_FIT = 30_000
 _MOST_NEAR = 60_000
 """Points beyond which a step's plane and edges become no better, only slower."""
 _OBSTRUCTED_M = 0.015
@@ -40,8 +39,6 @@ _FEWEST_OF_OBSTACLE = 8
 _LEAST_SUPPORT = 0.55
 _LEAST_PURITY = 0.6
 """A riser hides what lies behind it: where most points in its place lie elsewhere, there is none."""
-_FEWEST_FOR_SIDES = 3
-_SIDE_DIFFERS_M = 0.05
 _STRIP_NEAR_M, _STRIP_FAR_M = 0.006, 0.045
 """Strip of a tread behind its nosing in which the nosing's height is taken: behind a rounded edge, on a strip."""
 _STRIP_STEP_M = 0.006
@@ -53,14 +50,9 @@ _FEWEST_FOR_SIDES = 3
 _SIDE_DIFFERS_M = 0.05
 _UNSEEN_M, _UNSEEN_SLOPE = 0.03, 0.02
 _INSET_M = 0.03
-_BLOCK_M = 0.08
-_FINE_M = 0.02
-_FLOOR_STRIP_M = 0.8
 _NOISY_M = 0.004
 _REFIT_GROWTH = 1.5
 _REFIT_ROUNDS, _REFIT_SIGMA, _FEWEST_TO_REFIT = 8, 4.0, 50
-_MAD_TO_SIGMA = 1.4826
-_LEAST_SIGMA_M = 1e-4
 _BAND_SIGMA = 3.0
 _LEAST_BAND_M = 0.002
 _FACE_AGREES_M, _AGREE_SIGMAS = 0.006, 4.0
@@ -74,9 +66,6 @@ class _Near:
     s: Floats
     w: Floats
     r: Floats
-
-    def taken(self, mask: Bools) -> "_Near":
-        return _Near(self.s[mask], self.w[mask], self.r[mask])
 
 
 def find_shapes(
@@ -223,7 +212,7 @@ def _shape(
         origin = surface.cells_m.mean(axis=1)
     s, w = climb @ (surface.cells_m - origin[:, None]), left @ (surface.cells_m - origin[:, None])
     front = _front_of(s, w, chain.lengths_m[k])
-    is_strip = s <= front + _STRIP_M
+    is_strip = s <= front + STRIP_M
     w_low, w_high = (float(value) for value in np.percentile(w[is_strip], [1.0, 99.0]))
     # Between the quarters of the width: a floor next door at the same height must not make a tread deeper.
     inner = (w >= w_low + 0.25 * (w_high - w_low)) & (w <= w_high - 0.25 * (w_high - w_low))
@@ -232,7 +221,7 @@ def _shape(
     extent = (front, s_high, w_low, w_high)
     z0 = float(surface.centre_m[2] + surface.slope @ (origin - surface.centre_m[:2]))
     rough = (z0, float(surface.slope @ climb), float(surface.slope @ left))
-    plane = _fit_local(horizontal, surface, origin, climb, extent, rough)
+    plane = fit_local(horizontal, surface, origin, climb, extent, rough)
     band_m = params.band_m or max(_BAND_SIGMA * plane.sigma_m, _LEAST_BAND_M)
     rise_above_m, reach = 0.0, extent
     if above is not None:
@@ -252,7 +241,7 @@ def _shape(
     found = finder.edge(-near.s, near.w, _inset(front_span), -front, is_foot=False)
     nosing = _guessed(front, front_span) if found is None else found.flipped()
     start = nosing.middle_m
-    side_span = _inset((start, min(s_high, start + _STRIP_M)))
+    side_span = _inset((start, min(s_high, start + STRIP_M)))
     to_left = finder.edge(near.w, near.s, side_span, w_high, is_square=is_straight)
     to_right = finder.edge(-near.w, near.s, side_span, -w_low, is_square=is_straight)
     shape = StepShape(
@@ -343,39 +332,6 @@ def _inset(span: tuple[float, float]) -> tuple[float, float]:
     return span[0] + inset, span[1] - inset
 
 
-def _fit_local(
-    horizontal: Horizontal,
-    surface: Surface,
-    origin: Floats,
-    climb: Floats,
-    extent: tuple[float, float, float, float],
-    rough: tuple[float, float, float],
-) -> LocalPlane:
-    """Fit the plane of a surface within an extent of a step's frame, from its upright points.
-
-    ``rough`` is the patch's own plane: height at the origin and the two slopes. For a tread it is the plane; of a floor
-    or landing only the part near the edge counts, which may lean otherwise than the whole.
-    """
-    left = np.array([-climb[1], climb[0]])
-    # Tens of thousands of points give a plane as well as hundreds of thousands.
-    stride = -(-len(surface.rows) // _MOST_TO_FIT)
-    rows = horizontal.coordinates_m[:, surface.rows[::stride]]
-    plan = rows[:2] - origin[:, None]
-    s, w = project(plan, climb), project(plan, left)
-    s_low, s_high, w_low, w_high = extent
-    if float(s.max()) - s_low <= _STRIP_M:
-        return _plane_of(s, w, rows[2], rough, stride)
-    within = (s >= s_low) & (s <= min(s_high, s_low + _STRIP_M)) & (w >= w_low) & (w <= w_high)
-    if np.count_nonzero(within) < 10:
-        within = np.ones(len(s), dtype=np.bool_)
-    s, w, z = s[within], w[within], rows[2][within]
-    blocks, counts = _block_means(s, w, z, _FINE_M)
-    full = blocks[:, counts >= 0.3 * np.median(counts)]
-    slope, centre, _ = fit_trimmed(full)
-    z0 = float(centre[2] - slope @ centre[:2])
-    return _plane_of(s, w, z, (z0, float(slope[0]), float(slope[1])), stride)
-
-
 def _refit(near: _Near, plane: LocalPlane, extent: tuple[float, float, float, float]) -> tuple[LocalPlane, _Near]:
     """Fit the plane again to all points well inside the surface, whatever their normals, and measure from it.
 
@@ -383,7 +339,7 @@ def _refit(near: _Near, plane: LocalPlane, extent: tuple[float, float, float, fl
     seems too small, and where they are missing on one side only, the plane leans.
     """
     s_low, s_high, w_low, w_high = extent
-    s_high = min(s_high, s_low + _STRIP_M)
+    s_high = min(s_high, s_low + STRIP_M)
     inset_s, inset_w = 0.15 * (s_high - s_low), 0.08 * (w_high - w_low)
     inside = (near.s >= s_low + inset_s) & (near.s <= s_high - inset_s)
     inside &= (near.w >= w_low + inset_w) & (near.w <= w_high - inset_w)
@@ -392,7 +348,7 @@ def _refit(near: _Near, plane: LocalPlane, extent: tuple[float, float, float, fl
         chosen = inside & (np.abs(near.r) <= _REFIT_SIGMA * sigma_m)
         if np.count_nonzero(chosen) < _FEWEST_TO_REFIT:
             return plane, near
-        wider = _MAD_TO_SIGMA * float(np.median(np.abs(near.r[chosen])))
+        wider = MAD_TO_SIGMA * float(np.median(np.abs(near.r[chosen])))
         if wider <= 1.02 * sigma_m:
             break
         sigma_m = wider
@@ -400,65 +356,14 @@ def _refit(near: _Near, plane: LocalPlane, extent: tuple[float, float, float, fl
             # That is not the surface's noise but something that stands on it.
             return plane, near
     s, w, r = near.s[chosen], near.w[chosen], near.r[chosen]
-    blocks, counts = _block_means(s, w, r, _FINE_M)
+    blocks, counts = block_means(s, w, r, FINE_M)
     slope, centre, _ = fit_trimmed(blocks[:, counts >= 0.3 * np.median(counts)])
     z0 = float(centre[2] - slope @ centre[:2])
     offsets = r + plane.z0_m + plane.slope[0] * s + plane.slope[1] * w
     numbers = (plane.z0_m + z0, plane.slope[0] + float(slope[0]), plane.slope[1] + float(slope[1]))
-    better = _plane_of(s, w, offsets, numbers)
+    better = plane_of(s, w, offsets, numbers)
     r = near.r - z0 - slope[0] * near.s - slope[1] * near.w
     return better, _Near(near.s, near.w, r)
-
-
-def _plane_of(s: Floats, w: Floats, z: Floats, numbers: tuple[float, float, float], stride: int = 1) -> LocalPlane:
-    """Return a plane with its noise, spacing, misfit and covariance, from every ``stride``-th of its points."""
-    z0, slope = numbers[0], numbers[1:]
-    residual = z - z0 - slope[0] * s - slope[1] * w
-    sigma_m = max(_MAD_TO_SIGMA * float(np.median(np.abs(residual - np.median(residual)))), _LEAST_SIGMA_M)
-    kept = np.abs(residual) <= 4.0 * sigma_m
-    large, _ = _block_means(s[kept], w[kept], residual[kept], _BLOCK_M, minimum=3)
-    _, fine_counts = _block_means(s[kept], w[kept], residual[kept], _FINE_M)
-    # Cells on the rim are only partly on the surface: the usual cell tells the spacing.
-    per_cell = stride * float(np.median(fine_counts)) if fine_counts.size else 1.0
-    spacing_m = _FINE_M / math.sqrt(per_cell)
-    n_kept = int(np.count_nonzero(kept))
-    covariance = _covariance(large, sigma_m, n_kept, s, w)
-    scatter = float(np.var(large[2])) if large.shape[1] else 0.0
-    misfit_m = math.sqrt(max(0.0, scatter - sigma_m**2 * large.shape[1] / max(n_kept, 1)))
-    return LocalPlane(z0, slope, freeze(covariance), sigma_m, spacing_m, misfit_m, stride * n_kept)
-
-
-def _block_means(s: Floats, w: Floats, value: Floats, side_m: float, minimum: int = 1) -> tuple[Floats, Floats]:
-    """Return the means (3, b) of s, w and a value over square blocks, and the number of points of each."""
-    if not s.size:
-        return np.zeros((3, 0)), np.zeros(0)
-    column, row = np.floor(s / side_m).astype(np.int64), np.floor(w / side_m).astype(np.int64)
-    column -= column.min()
-    row -= row.min()
-    keys = column * (int(row.max()) + 1) + row
-    counts = np.bincount(keys).astype(np.float64)
-    chosen = counts >= minimum
-    means = np.stack([np.bincount(keys, axis)[chosen] / counts[chosen] for axis in (s, w, value)])
-    return means, counts[chosen]
-
-
-def _covariance(blocks: Floats, sigma_m: float, n: int, s: Floats, w: Floats) -> Floats:
-    """Return the covariance (3, 3) of a plane's constant and slopes from the scatter of block means."""
-    n_blocks = blocks.shape[1]
-    if n_blocks < 6:
-        # Too few blocks to tell: as if every block had the noise of a single point.
-        design = np.stack([np.ones(len(s)), s, w])
-        normal = np.einsum("in,jn->ij", design, design) * (max(n_blocks, 1) / max(len(s), 1))
-        rough: Floats = np.linalg.pinv(normal) * sigma_m**2
-        return rough
-    design = np.stack([np.ones(n_blocks), blocks[0], blocks[1]])
-    normal = np.einsum("in,jn->ij", design, design)
-    inverse = np.asarray(np.linalg.pinv(normal))
-    fit = inverse @ (design @ blocks[2])
-    left_over = blocks[2] - fit @ design
-    variance = float(left_over @ left_over) / (n_blocks - 3)
-    covariance: Floats = inverse * max(variance, sigma_m**2 * n_blocks / max(n, 1))
-    return covariance
 
 
 def _gather(
@@ -651,8 +556,8 @@ def _find_foot(
     s_high = float(np.percentile(s[beside], 99.0))
     z0 = float(base.centre_m[2] + base.slope @ (origin - base.centre_m[:2]))
     rough = (z0, float(base.slope @ climb), float(base.slope @ left))
-    strip = (s_high - min(_FLOOR_STRIP_M, _STRIP_M), s_high, w_low, w_high)
-    return _fit_local(horizontal, base, origin, climb, strip, rough)
+    strip = (s_high - STRIP_M, s_high, w_low, w_high)
+    return fit_local(horizontal, base, origin, climb, strip, rough)
 
 
 def _coverage(shape: StepShape, near: _Near, band_m: float) -> float:
@@ -663,7 +568,7 @@ def _coverage(shape: StepShape, near: _Near, band_m: float) -> float:
         s_high = shape.back.middle_m
     elif shape.back_limits is not None:
         s_high = shape.back_limits[1]
-    cell = max(_FINE_M, 2.5 * shape.plane.spacing_m)
+    cell = max(FINE_M, 2.5 * shape.plane.spacing_m)
     n_s, n_w = max(1, round((s_high - s_low) / cell)), max(1, round((w_high - w_low) / cell))
     if s_high <= s_low or w_high <= w_low:
         return 0.0

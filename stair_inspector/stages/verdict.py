@@ -90,34 +90,77 @@ def conclude(
 
 
 def conclude_survey(
+    paper: Inspection,
     scan: Scan,
-    params: Params,
-    up: Up,
-    axes: Axes | None,
     horizontal: Horizontal,
-    levels: Levels,
-    profile: HeightProfile,
-    surfaces: Surfaces,
     patches: Patches,
     chains: Chains,
     forced: Forced,
     survey: Survey,
     timings_s: dict[str, float],
 ) -> Inspection:
-    """Put the survey's stages together: what every surface and height cluster is, and why not what it is not.
+    """Put the survey in the place of the paper's steps: what every surface and height cluster is, or why it is none.
+
+    Parameters
+    ----------
+    paper : Inspection
+        As :func:`conclude` gives it.
+    scan, horizontal, patches, chains, forced, survey
+        Of the same scan.
+    timings_s : dict
+        Of the stages that ran, the survey's included.
 
     Returns
     -------
     Inspection
         Without steps, and with the reason in a note, where there is no staircase.
     """
-    origin_z = float(scan.origin_m @ up.vector)
-    bases = {chain.base for chain in chains.chains if chain.base is not None}
+    named = _name_patches(paper, scan, patches, chains, forced, survey)
+    labels = np.full(horizontal.n_scan, NON_STAIR_LABEL, dtype=np.int16)
+    patch_ids = np.full(horizontal.n_scan, -1, dtype=np.int64)
+    for patch, surface in zip(named, patches.surfaces, strict=True):
+        ids = horizontal.point_ids[surface.rows]
+        patch_ids[ids] = patch.patch_id
+        if patch.kind != "rejected":
+            labels[ids] = patch.step_id or 0
+    notes = [*scan.notes, *paper.up.notes]
+    if survey.steps:
+        notes += [
+            *(paper.axes.notes if paper.axes is not None else ()),
+            *survey.notes,
+            *_disagreement(survey, paper.up),
+        ]
+    else:
+        reason = _why_no_flight(patches, chains, len(paper.levels))
+        notes.append(Note("no_staircase", "verdict", f"no staircase found: {reason}"))
+    lowest = min((patch for patch in named if patch.kind == "floor"), key=lambda patch: patch.height_m, default=None)
+    return dataclasses.replace(
+        paper,
+        axes=paper.axes if survey.steps else None,
+        levels=_named_levels(paper.levels, named),
+        steps=survey.steps,
+        floor=None if lowest is None else lowest.plane,
+        floor_h_m=paper.floor_h_m if survey.steps else None,
+        labels=freeze(labels),
+        notes=(*notes, *_unmet_overrules(named, forced)),
+        timings_s=timings_s,
+        flights=survey.flights,
+        patches=named,
+        patch_ids=freeze(patch_ids),
+    )
+
+
+def _name_patches(
+    paper: Inspection, scan: Scan, patches: Patches, chains: Chains, forced: Forced, survey: Survey
+) -> tuple[Patch, ...]:
+    """Return every surface with what it was taken for, or why it is no part of a staircase."""
+    origin_z = float(scan.origin_m @ paper.up.vector)
     step_of = dict(zip(survey.surfaces, survey.steps, strict=True))
-    floors = frozenset(bases - step_of.keys()) if survey.steps else _lowest_surface(patches, forced)
-    taken = frozenset(step_of) | floors
-    reasons = explain_rejects(patches, chains, forced, taken, params.patches.min_area_m2)
-    named = tuple(
+    bases = frozenset(chain.base for chain in chains.chains if chain.base is not None)
+    floors = bases - step_of.keys() if survey.steps else _lowest_surface(patches, forced)
+    taken = floors | step_of.keys()
+    reasons = explain_rejects(patches, chains, forced, taken, paper.params.patches.min_area_m2)
+    return tuple(
         Patch(
             patch_id=number,
             level_id=surface.level_id,
@@ -130,42 +173,17 @@ def conclude_survey(
         )
         for number, surface in enumerate(patches.surfaces)
     )
-    labels = np.full(horizontal.n_scan, NON_STAIR_LABEL, dtype=np.int16)
-    patch_ids = np.full(horizontal.n_scan, -1, dtype=np.int64)
-    for patch, surface in zip(named, patches.surfaces, strict=True):
-        ids = horizontal.point_ids[surface.rows]
-        patch_ids[ids] = patch.patch_id
-        if patch.kind != "rejected":
-            labels[ids] = patch.step_id or 0
-    notes = [*scan.notes, *up.notes]
-    if survey.steps:
-        notes += [*(axes.notes if axes is not None else ()), *survey.notes, *_disagreement(survey, up)]
-    else:
-        notes.append(Note("no_staircase", "verdict", f"no staircase found: {_why_no_flight(patches, chains, levels)}"))
+
+
+def _unmet_overrules(named: tuple[Patch, ...], forced: Forced) -> list[Note]:
+    """Note every decision of the inspector that could not be followed."""
+    notes = []
     for number, decided in sorted(forced.kinds.items()):
-        if named[number].kind != decided:
-            is_now = named[number].kind
+        is_now = named[number].kind
+        if is_now != decided:
             message = f"patch {number} was to be a {decided} and is {is_now}: no flight reaches it, or one begins at it"
             notes.append(Note("overrule_unmet", "verdict", message))
-    lowest = min((patch for patch in named if patch.kind == "floor"), key=lambda patch: patch.height_m, default=None)
-    planes = surfaces.planes
-    return Inspection(
-        scan=_summary_of(scan),
-        params=params,
-        up=up,
-        axes=axes if survey.steps else None,
-        levels=_named_levels(_levels_of(scan, up, horizontal, levels, surfaces), named),
-        steps=survey.steps,
-        floor=None if lowest is None else lowest.plane,
-        floor_h_m=measure_h(planes[0], planes[1], up) if len(planes) > 1 and survey.steps else None,
-        profile=dataclasses.replace(profile, low_m=profile.low_m + origin_z),
-        labels=freeze(labels),
-        notes=tuple(notes),
-        timings_s=timings_s,
-        flights=survey.flights,
-        patches=named,
-        patch_ids=freeze(patch_ids),
-    )
+    return notes
 
 
 def _lowest_surface(patches: Patches, forced: Forced) -> frozenset[int]:
@@ -241,13 +259,12 @@ def _angle_deg(a: Floats, b: Floats) -> float:
     return math.degrees(math.acos(min(1.0, abs(float(a @ b)))))
 
 
-def _why_no_flight(patches: Patches, chains: Chains, levels: Levels) -> str:
+def _why_no_flight(patches: Patches, chains: Chains, n_levels: int) -> str:
     """Return why no surfaces follow each other as steps."""
     surfaces = patches.surfaces
     advice = "check the up direction, then theta_th, eps_z and m"
     if not surfaces:
-        count = len(levels.start)
-        return f"{count} horizontal level{'' if count == 1 else 's'} and no connected surface in them; {advice}"
+        return f"{n_levels} horizontal level{'' if n_levels == 1 else 's'} and no connected surface in them; {advice}"
     largest = max(surfaces, key=lambda surface: surface.area_m2)
     lean = lean_deg(largest)
     what = f"{len(surfaces)} horizontal surface{'' if len(surfaces) == 1 else 's'}"

@@ -357,9 +357,10 @@ class Session:
             self._stage = None
             self._fail(str(error))
         except Exception:
+            # The outermost frame of this thread: whatever went wrong, the page must go on and the log must have it.
             self._stage = None
+            logger.log(self._gravity(), "an inspector's run failed", exc_info=True)
             if not self._is_closed:
-                logger.exception("an inspector's run failed")
                 self._fail("an internal error stopped this run; the server's log has the details. Try other settings")
         finally:
             announce.cancel()
@@ -590,6 +591,10 @@ class Session:
             self._panel.show_scan_name(request.label)
             self._panel.load(request.params)
 
+    def _gravity(self) -> int:
+        """Return the level at which an unforeseen failure is logged: once a page has gone, failing is what is left."""
+        return logging.DEBUG if self._is_closed else logging.ERROR
+
     def _guard(self, action: Callable[..., None]) -> Callable[..., None]:
         """Wrap an action so that its failure is a sentence on the page, not a line in the server's log."""
 
@@ -600,8 +605,9 @@ class Session:
                 if not self._is_closed:
                     self._notify(str(error))
             except Exception:
+                # The outermost frame of a thread of viser's, which would only print it.
+                logger.log(self._gravity(), "an action of a page failed", exc_info=True)
                 if not self._is_closed:
-                    logger.exception("an action of a page failed")
                     self._notify("an internal error stopped this action; the server's log has the details")
 
         return guarded

@@ -1,0 +1,103 @@
+"""How does a surface lie near a step? Its plane in the step's frame, how sure it is, and how it was sampled."""
+
+import math
+
+import numpy as np
+
+from stair_inspector.geometry.arrays import Floats, freeze, project
+from stair_inspector.model import Horizontal, LocalPlane, Surface
+from stair_inspector.stages.patches import fit_trimmed
+
+STRIP_M = 0.6
+"""Of a floor or landing only so much counts: beyond, it may lean otherwise."""
+FINE_M = 0.02
+"""Side of the blocks to whose means a plane is fitted."""
+MAD_TO_SIGMA = 1.4826
+_BLOCK_M = 0.08
+"""Side of the blocks whose scatter tells how sure the plane is: larger than what noise has in common."""
+_MOST_TO_FIT = 30_000
+_LEAST_SIGMA_M = 1e-4
+
+
+def fit_local(
+    horizontal: Horizontal,
+    surface: Surface,
+    origin: Floats,
+    climb: Floats,
+    extent: tuple[float, float, float, float],
+    rough: tuple[float, float, float],
+) -> LocalPlane:
+    """Fit the plane of a surface within an extent of a step's frame, from its upright points.
+
+    ``rough`` is the patch's own plane: height at the origin and the two slopes. For a tread it is the plane; of a floor
+    or landing only the part near the edge counts, which may lean otherwise than the whole.
+    """
+    left = np.array([-climb[1], climb[0]])
+    # Tens of thousands of points give a plane as well as hundreds of thousands.
+    stride = -(-len(surface.rows) // _MOST_TO_FIT)
+    rows = horizontal.coordinates_m[:, surface.rows[::stride]]
+    plan = rows[:2] - origin[:, None]
+    s, w = project(plan, climb), project(plan, left)
+    s_low, s_high, w_low, w_high = extent
+    if float(s.max()) - s_low <= STRIP_M:
+        return plane_of(s, w, rows[2], rough, stride)
+    within = (s >= s_low) & (s <= min(s_high, s_low + STRIP_M)) & (w >= w_low) & (w <= w_high)
+    if np.count_nonzero(within) < 10:
+        within = np.ones(len(s), dtype=np.bool_)
+    s, w, z = s[within], w[within], rows[2][within]
+    blocks, counts = block_means(s, w, z, FINE_M)
+    full = blocks[:, counts >= 0.3 * np.median(counts)]
+    slope, centre, _ = fit_trimmed(full)
+    z0 = float(centre[2] - slope @ centre[:2])
+    return plane_of(s, w, z, (z0, float(slope[0]), float(slope[1])), stride)
+
+
+def plane_of(s: Floats, w: Floats, z: Floats, numbers: tuple[float, float, float], stride: int = 1) -> LocalPlane:
+    """Return a plane with its noise, spacing, misfit and covariance, from every ``stride``-th of its points."""
+    z0, slope = numbers[0], numbers[1:]
+    residual = z - z0 - slope[0] * s - slope[1] * w
+    sigma_m = max(MAD_TO_SIGMA * float(np.median(np.abs(residual - np.median(residual)))), _LEAST_SIGMA_M)
+    kept = np.abs(residual) <= 4.0 * sigma_m
+    large, _ = block_means(s[kept], w[kept], residual[kept], _BLOCK_M, minimum=3)
+    _, fine_counts = block_means(s[kept], w[kept], residual[kept], FINE_M)
+    # Cells on the rim are only partly on the surface: the usual cell tells the spacing.
+    per_cell = stride * float(np.median(fine_counts)) if fine_counts.size else 1.0
+    spacing_m = FINE_M / math.sqrt(per_cell)
+    n_kept = int(np.count_nonzero(kept))
+    covariance = _covariance(large, sigma_m, n_kept, s, w)
+    scatter = float(np.var(large[2])) if large.shape[1] else 0.0
+    misfit_m = math.sqrt(max(0.0, scatter - sigma_m**2 * large.shape[1] / max(n_kept, 1)))
+    return LocalPlane(z0, slope, freeze(covariance), sigma_m, spacing_m, misfit_m, stride * n_kept)
+
+
+def block_means(s: Floats, w: Floats, value: Floats, side_m: float, minimum: int = 1) -> tuple[Floats, Floats]:
+    """Return the means (3, b) of s, w and a value over square blocks, and the number of points of each."""
+    if not s.size:
+        return np.zeros((3, 0)), np.zeros(0)
+    column, row = np.floor(s / side_m).astype(np.int64), np.floor(w / side_m).astype(np.int64)
+    column -= column.min()
+    row -= row.min()
+    keys = column * (int(row.max()) + 1) + row
+    counts = np.bincount(keys).astype(np.float64)
+    chosen = counts >= minimum
+    means = np.stack([np.bincount(keys, axis)[chosen] / counts[chosen] for axis in (s, w, value)])
+    return means, counts[chosen]
+
+
+def _covariance(blocks: Floats, sigma_m: float, n: int, s: Floats, w: Floats) -> Floats:
+    """Return the covariance (3, 3) of a plane's constant and slopes from the scatter of block means."""
+    n_blocks = blocks.shape[1]
+    if n_blocks < 6:
+        # Too few blocks to tell: as if every block had the noise of a single point.
+        design = np.stack([np.ones(len(s)), s, w])
+        normal = np.einsum("in,jn->ij", design, design) * (max(n_blocks, 1) / max(len(s), 1))
+        rough: Floats = np.linalg.pinv(normal) * sigma_m**2
+        return rough
+    design = np.stack([np.ones(n_blocks), blocks[0], blocks[1]])
+    normal = np.einsum("in,jn->ij", design, design)
+    inverse = np.asarray(np.linalg.pinv(normal))
+    fit = inverse @ (design @ blocks[2])
+    left_over = blocks[2] - fit @ design
+    variance = float(left_over @ left_over) / (n_blocks - 3)
+    covariance: Floats = inverse * max(variance, sigma_m**2 * n_blocks / max(n, 1))
+    return covariance
