@@ -35,7 +35,9 @@ class Pose:
     up: Floats
 
 
-def frame_view(view: View, corners: Floats, aspect: float, turn: Floats, fov_rad: float = FOV_RAD) -> Pose:
+def frame_view(
+    view: View, corners: Floats, aspect: float, turn: Floats, fov_rad: float = FOV_RAD, is_from_right: bool = False
+) -> Pose:
     """Place a camera so that a box fills the picture.
 
     Parameters
@@ -50,8 +52,11 @@ def frame_view(view: View, corners: Floats, aspect: float, turn: Floats, fov_rad
         Rotation from the staircase's own right, climb and up to the coordinates of ``corners``.
     fov_rad : float
         Vertical field of view.
+    is_from_right : bool
+        Whether to stand on the other side of the stair, where a wall on its left would be in the way.
     """
-    backwards = turn @ (np.array(_FROM[view]) / np.linalg.norm(_FROM[view]))
+    side = np.array([-1.0 if is_from_right else 1.0, 1.0, 1.0])
+    backwards = turn @ (side * np.array(_FROM[view]) / np.linalg.norm(_FROM[view]))
     # Seen from above, the climb points up in the picture.
     up = turn @ np.array([0.0, 1.0, 0.0] if view == "Top" else [0.0, 0.0, 1.0])
     right = np.cross(up, backwards)

@@ -20,6 +20,7 @@ Mode = Literal["Raw", "Segmented", "Side by side"]
 
 MODES: tuple[Mode, ...] = ("Raw", "Segmented", "Side by side")
 _EDGE_PIXELS = 3.0
+_BESIDE_M = 0.1
 _NOSING_PIXELS = 6.0
 _ARROW_PIXELS = 2.0
 _GAP_SHARE = 0.25
@@ -141,6 +142,22 @@ def view_from_local(inspection: Inspection) -> Floats:
     right = np.cross(some, up)
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(up, right), up])
+
+
+def is_left_hidden(inspection: Inspection, display: Display) -> bool:
+    """Return whether something tall, such as a wall, stands on the left of the stair and not on the right.
+
+    Seen when climbing; what lies lower than the steps hides nothing.
+    """
+    if not inspection.steps:
+        return False
+    turn = view_from_local(inspection)
+    corners = np.concatenate([step.corners for step in inspection.steps]) @ turn.T
+    x, _, z = (display.points @ turn.T).T
+    is_in_the_way = (inspection.labels[display.point_ids] < 0) & (z > corners[:, 2].max())
+    n_left = np.count_nonzero(is_in_the_way & (x < corners[:, 0].min() + _BESIDE_M))
+    n_right = np.count_nonzero(is_in_the_way & (x > corners[:, 0].max() - _BESIDE_M))
+    return bool(n_left > 2 * n_right)
 
 
 def extent_of(points: Floats) -> Floats:

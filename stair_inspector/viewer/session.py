@@ -34,6 +34,7 @@ from stair_inspector.viewer.scene import (
     Stage,
     draw,
     ground_of,
+    is_left_hidden,
     lift_of,
     points_of,
     view_from_local,
@@ -544,7 +545,9 @@ class Session:
         # The view stays where it was turned for this scan; its axes may since have been found elsewhere.
         turn = self._stage_view.rotation @ view_from_local(self._shown.inspection).T
         camera = self._client.camera
-        pose = frame_view(view, self._stage_view.visible_extent(), camera.aspect, turn)
+        is_hidden = is_left_hidden(self._shown.inspection, self._shown.display)
+        extent = self._stage_view.visible_extent()
+        pose = frame_view(view, extent, camera.aspect, turn, is_from_right=is_hidden)
         with self._client.atomic():
             camera.fov = FOV_RAD
             camera.up_direction = pose.up

@@ -83,3 +83,10 @@ def test_a_box_without_extent_or_a_picture_without_width_has_a_camera_all_the_sa
         pose = frame_view("Home", corners, aspect, np.eye(3))
         assert np.isfinite(np.concatenate([pose.position, pose.look_at, pose.up])).all()
         assert np.linalg.norm(pose.position - pose.look_at) >= 0.1
+
+
+def test_from_the_right_is_the_mirror_image():
+    left = frame_view("Home", BOX, 1.2, np.eye(3))
+    right = frame_view("Home", BOX, 1.2, np.eye(3), is_from_right=True)
+    middle = (BOX.min(axis=0) + BOX.max(axis=0)) / 2.0
+    np.testing.assert_allclose(right.position - middle, (left.position - middle) * [-1.0, 1.0, 1.0], atol=1e-12)

@@ -8,9 +8,17 @@ import pytest
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.display import REJECTED_COLOR, choose_display
-from stair_inspector.viewer.scene import _linear, draw, extent_of, points_of, quaternion, view_from_local
+from stair_inspector.viewer.scene import (
+    _linear,
+    draw,
+    extent_of,
+    is_left_hidden,
+    points_of,
+    quaternion,
+    view_from_local,
+)
 from stair_inspector.viewer.survey_html import MOST_REJECTED
-from tests.synthetic import Stair, exact_params, motion, rotation
+from tests.synthetic import Stair, exact_params, make_scan, motion, rotation
 from tests.viewer.surveyed import surveyed
 
 PALETTE = read_palette("page")
@@ -204,3 +212,19 @@ def test_the_view_follows_the_climb_of_the_first_flight(turn):
         assert np.linalg.det(view) == pytest.approx(1.0)
         np.testing.assert_allclose(view @ turn[:, 0], [0.0, 1.0, 0.0], atol=1e-6)
         np.testing.assert_allclose(view @ inspection.up.vector, [0.0, 0.0, 1.0], atol=1e-12)
+
+
+@pytest.mark.parametrize(("sides", "is_hidden"), [("left", True), ("right", False), ("both", False), ("", False)])
+def test_a_wall_on_the_left_alone_hides_the_stair(sides, is_hidden):
+    points, normals = Stair(noise=0.001, risers=True).sample()
+    width, height = points[:, 1].min(), points[:, 1].max()
+    grid = np.stack(np.meshgrid(np.arange(0.0, 1.5, 0.02), np.arange(0.0, 2.5, 0.02)), axis=-1).reshape(-1, 2)
+    # Who climbs along +x has +y on the left.
+    walls = [
+        np.column_stack([grid[:, 0], np.full(len(grid), y), grid[:, 1]])
+        for side, y in (("left", height + 0.01), ("right", width - 0.01))
+        if sides in (side, "both")
+    ]
+    upright = np.tile([0.0, 1.0, 0.0], (sum(len(wall) for wall in walls), 1))
+    scan = make_scan(np.concatenate([points, *walls]), normals=np.concatenate([normals, upright]))
+    assert is_left_hidden(inspect(scan, exact_params()), choose_display(scan)) == is_hidden
