@@ -40,10 +40,14 @@ _LEAST_SUPPORT = 0.55
 _LEAST_PURITY = 0.6
 """A riser hides what lies behind it: where most points in its place lie elsewhere, there is none."""
 _STRIP_NEAR_M, _STRIP_FAR_M = 0.006, 0.045
-"""Strip of a tread behind its nosing in which the nosing's height is taken: behind a rounded edge, on a strip."""
+"""Strip of a tread behind its nosing that shows whether a proud strip lies there: behind a rounded edge."""
+_STRIP_DEEP_M, _STRIP_DEEP_SIGMA = 0.03, 6.0
+"""Depth of the strip in which the nosing's height is taken: 30 mm, and six times the noise of the points."""
 _STRIP_STEP_M = 0.006
 _STRIP_MISFIT = 0.25
 _STRIP_SIGMAS, _LEAST_ODD_M = 3.0, 0.005
+_STRIP_POSE_SIGMA, _MOST_WORN_M = 0.2, 0.01
+"""What passes of a scanner leave between parts of a strip, as a share of the noise; deeper is not wear but damage."""
 _FEWEST_IN_STRIP = 10
 _MEDIAN_NOISE = 1.25
 _FEWEST_FOR_SIDES = 3
@@ -272,42 +276,47 @@ def _shape(
 def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float) -> StepShape:
     """Measure how high the surface lies at its nosing above its plane, on the left, in the centre and on the right.
 
-    The plane and the strip behind the nosing are weighed by what is known of them: the strip counts by the share of the
-    surface's own departure from the plane in the sum of that and the strip's noise.
+    A plane carried on to the edge magnifies what is wrong with its slope: the strip behind the nosing, over its whole
+    length, says how high the plane has to be there. Noisy points take a deeper strip, so that errors of pose, which a
+    few centimetres have in common, even out. A third of the strip that lies otherwise than the whole by more than
+    chance, as where feet have worn it, has its own height.
     """
     low, high = shape.line_range
     plane = shape.plane
     back = near.s - shape.front.at(0.0) - shape.front.slope * near.w
     # The noisier and the sparser the points, the farther from the edge before they are the tread's for certain.
     start_m = max(_STRIP_NEAR_M, 1.5 * plane.spacing_m, 2.0 * plane.sigma_m)
-    stop_m = start_m + _STRIP_FAR_M - _STRIP_NEAR_M
+    stop_m = start_m + _STRIP_DEEP_M + _STRIP_DEEP_SIGMA * plane.sigma_m
     is_strip = (back >= start_m) & (back <= stop_m) & (np.abs(near.r) <= band_m + _STRIP_STEP_M)
+    is_strip &= (near.w >= low) & (near.w <= high)
     w, r = near.w[is_strip], near.r[is_strip]
+    by_plane = math.hypot(plane.noise_at(shape.front.middle_m, (low + high) / 2.0), plane.misfit_m)
+    whole_m, whole_noise_m = _strip_height(r, plane)
+    # A strip far off what is usual on this surface is spoilt by the edge, not part of the tread.
+    if abs(whole_m) > max(_LEAST_ODD_M, _STRIP_SIGMAS * (plane.misfit_m + whole_noise_m)):
+        return replace(shape, nosing_offsets=(0.0, 0.0, 0.0), nosing_noise=(by_plane, by_plane, by_plane))
     offsets, noises = [], []
     for start, stop in ((2.0 / 3.0, 1.0), (1.0 / 3.0, 2.0 / 3.0), (0.0, 1.0 / 3.0)):
         mine = r[(w >= low + start * (high - low)) & (w <= low + stop * (high - low))]
-        s_m, w_m = shape.front.middle_m, low + (start + stop) / 2.0 * (high - low)
-        by_plane = plane.noise_at(s_m, w_m)
-        if len(mine) < _FEWEST_IN_STRIP:
-            offsets.append(0.0)
-            noises.append(math.hypot(by_plane, plane.misfit_m))
-            continue
-        by_strip = _MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(mine))
-        offset_m = float(np.median(mine))
-        share = plane.misfit_m**2 / (plane.misfit_m**2 + by_strip**2)
-        # A strip far off what is usual on this surface is spoilt by the edge, not part of the tread.
-        if abs(offset_m) > max(_LEAST_ODD_M, _STRIP_SIGMAS * (plane.misfit_m + by_strip)):
-            share = 0.0
-            by_plane = math.hypot(by_plane, plane.misfit_m)
-        offsets.append(share * offset_m)
+        own_m, own_noise_m = _strip_height(mine, plane)
+        chance_m = _STRIP_SIGMAS * math.hypot(own_noise_m, _STRIP_POSE_SIGMA * plane.sigma_m)
+        is_other = chance_m < abs(own_m - whole_m) <= _MOST_WORN_M
+        offset_m, noise_m = (own_m, own_noise_m) if is_other else (whole_m, whole_noise_m)
+        offsets.append(offset_m)
         # Between the strip and the nosing itself the surface may depart from its plane some more.
-        beyond = _STRIP_MISFIT * share * plane.misfit_m
-        noises.append(math.sqrt((1.0 - share) * by_plane**2 + share * by_strip**2 + beyond**2))
+        noises.append(math.hypot(noise_m, _STRIP_MISFIT * plane.misfit_m) if math.isfinite(noise_m) else by_plane)
     return replace(
         shape,
         nosing_offsets=(offsets[0], offsets[1], offsets[2]),
         nosing_noise=(noises[0], noises[1], noises[2]),
     )
+
+
+def _strip_height(r: Floats, plane: LocalPlane) -> tuple[float, float]:
+    """Return the median height of a strip's points and its standard uncertainty, infinite for too few points."""
+    if len(r) < _FEWEST_IN_STRIP:
+        return 0.0, math.inf
+    return float(np.median(r)), _MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(r))
 
 
 def _guessed(place_m: float, span: tuple[float, float]) -> EdgeLine:
