@@ -5,13 +5,15 @@ distance from the surface's plane. Metres throughout.
 """
 
 import dataclasses
+import functools
 import math
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.arrays import Floats, Ints, freeze
+from stair_inspector.geometry.percentiles import percentile_of_sorted
 
 Half = Literal["all", "above", "below"]
 Side = Literal["above", "below"]
@@ -115,7 +117,7 @@ def fit_line_robust(x: Floats, y: Floats, sigma: Floats, is_level: bool = False)
     n = len(x)
     if n < 2 or np.ptp(x) == 0.0:
         return None
-    i, j = np.triu_indices(n, 1)
+    i, j = _pairs(n)
     apart = np.abs(x[j] - x[i]) > 0.1 * np.ptp(x)
     slope = 0.0 if is_level else _median((y[j] - y[i])[apart] / (x[j] - x[i])[apart])
     # A piece that seems ten times as exact as the usual one is not trusted ten times as much.
@@ -152,6 +154,13 @@ def fit_line_robust(x: Floats, y: Floats, sigma: Floats, is_level: bool = False)
     noise = math.sqrt(max(expected, scatter))
     slope_noise = 0.0 if is_level else noise / math.sqrt(spread / total)
     return RobustLine(middle, slope_new, x_middle, noise, slope_noise)
+
+
+@functools.cache
+def _pairs(n: int) -> tuple[Ints, Ints]:
+    """Return the numbers of all pairs of n things; numpy's is slow to begin, and an edge has few pieces."""
+    i, j = np.triu_indices(n, 1)
+    return freeze(i), freeze(j)
 
 
 def find_extent_edge(
@@ -212,7 +221,7 @@ def find_extent_edge(
     n_inner = max(2, int(_INNER_M / fine_m))
     # The shadow of a rail runs all along the edge: told by all pieces together, where chance evens out.
     profile = counts.sum(axis=0)
-    is_whole = profile >= _SHADOW * np.percentile(profile[: 2 * n_inner], 75.0)
+    is_whole = profile >= _SHADOW * percentile_of_sorted(np.sort(profile[: 2 * n_inner]), 75.0)
     is_whole[:n_inner] |= not is_whole[:n_inner].any()
     density = counts[:, :n_inner][:, is_whole[:n_inner]].mean(axis=1)
     if not density.any():
@@ -295,13 +304,13 @@ def find_face_edge(
     """
     low, high = span
     near, far = sorted(heights, key=abs)
-    size = math.copysign(1.0, far) * offset
     middle_along = (low + high) / 2.0
     # Relative to the guess, so that a slanting edge is upright here.
     out = out - guess[0] - guess[1] * (along - middle_along)
-    within = (along > low) & (along < high) & (np.abs(out) <= reach_m)
-    is_face = within & (size >= abs(near)) & (size <= abs(far))
-    is_mirror = within & (-size >= abs(near)) & (-size <= abs(far))
+    within = np.flatnonzero((np.abs(out) <= reach_m) & (along > low) & (along < high))
+    out, along, size = out[within], along[within], math.copysign(1.0, far) * offset[within]
+    is_face = (size >= abs(near)) & (size <= abs(far))
+    is_mirror = (-size >= abs(near)) & (-size <= abs(far))
     places = np.concatenate([along[is_face], along[is_mirror]])
     values = np.concatenate([out[is_face], out[is_mirror]])
     sign = np.concatenate([np.ones(np.count_nonzero(is_face)), -np.ones(np.count_nonzero(is_mirror))])

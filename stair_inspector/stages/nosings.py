@@ -14,12 +14,13 @@ from stair_inspector.stages.flights import angle_deg, turn_deg
 from stair_inspector.stages.patches import fit_trimmed
 from stair_inspector.stages.planes import FINE_M, MAD_TO_SIGMA, STRIP_M, block_means, fit_local, plane_of
 
-_FACE_NEAR_SIGMA = 2.2
+_FACE_NEAR_SIGMA = 1.6
 _FACE_NEAR_M = 0.003
 _FACE_FAR_M = 0.032
 _FACE_BAND_M = 0.012
 """A nosing's face is looked for from below its tread's noise down to 32 mm, or 12 mm farther than the noise."""
 _FACE_REACH_M = 0.012
+_FACE_TRIES, _FACE_CENTRED = 4, 0.25
 _RISER_REACH_M = 0.055
 _RISER_BEHIND_M = 0.035
 """A riser face lies from 20 mm in front of the nosing above it to 90 mm behind: half width and middle of the search."""
@@ -391,8 +392,9 @@ def _gather(
     stop = int(np.searchsorted(heights.coordinates_m[2], max(corners) + above_m))
     rows = heights.coordinates_m[:, start:stop]
     x, y = rows[0] - origin[0], rows[1] - origin[1]
-    s = climb[0] * x + climb[1] * y
-    w = climb[0] * y - climb[1] * x
+    s, w = climb[0] * x, climb[0] * y
+    s += climb[1] * y
+    w -= climb[1] * x
     chosen = np.flatnonzero(
         (s >= s_low - _BESIDE_M) & (s <= s_high + _BESIDE_M) & (w >= w_low - _BESIDE_M) & (w <= w_high + _BESIDE_M)
     )
@@ -478,9 +480,18 @@ class _Finder:
         heights: tuple[float, float],
         is_square: bool,
     ) -> EdgeLine | None:
-        """Return the face found from the first guess that leads to one."""
-        for guess, reach in guesses:
-            found = find_face_edge(*points, span, guess, reach, heights, self.sampling, is_square)
+        """Return the face found from the first guess that leads to one.
+
+        Where it lies near the end of the reach, half of its points may lie beyond: it is looked for again from there.
+        """
+        middle = (span[0] + span[1]) / 2.0
+        for first, reach in guesses:
+            guess = first
+            for _ in range(_FACE_TRIES):
+                found = find_face_edge(*points, span, guess, reach, heights, self.sampling, is_square)
+                if found is None or abs(found.at(middle) - guess[0]) <= _FACE_CENTRED * reach:
+                    break
+                guess = (found.at(middle), found.slope)
             if found is not None and found.support >= _LEAST_SUPPORT:
                 return found
         return None

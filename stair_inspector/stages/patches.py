@@ -1,12 +1,14 @@
 """Which points of one height form one surface? Height clusters split into patches that hang together in plan."""
 
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from stair_inspector.errors import CannotMeasure
-from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze, own
-from stair_inspector.geometry.clusters import cluster_sorted, find_reach
+from stair_inspector.geometry.arrays import Floats, Ints, freeze, own
+from stair_inspector.geometry.clusters import cluster_cells, cluster_sorted, find_reach
 from stair_inspector.geometry.fits import PlaneFit, fit_plane_rows
 from stair_inspector.model import Horizontal, Levels, Patches, Surface
 from stair_inspector.params import LevelsParams, PatchesParams
@@ -62,20 +64,17 @@ def split_levels(horizontal: Horizontal, levels: Levels, params: PatchesParams, 
     CannotMeasure
         More than 3000 patches.
     """
-    n = horizontal.coordinates_m.shape[1]
-    level_of = np.full(n, -1, dtype=np.int64)
-    for level_id, (start, stop) in enumerate(zip(levels.start, levels.stop, strict=True)):
-        level_of[start:stop] = level_id
-    cells, cell_m = _plan_cells(horizontal.coordinates_m[:2], level_of >= 0, params.cell_m)
-    groups = level_of
+    coordinates = horizontal.coordinates_m
+    groups = [np.arange(start, stop) for start, stop in zip(levels.start, levels.stop, strict=True)]
+    grid = _lay_grid(coordinates[:2], levels, params.cell_m)
     planes: list[_CellPlane] = []
     for _ in range(_ROUNDS):
-        groups = _split_in_plan(cells, horizontal.coordinates_m[2], groups, heights.eps_m)
-        groups, is_settled = _split_in_height(horizontal.coordinates_m[2], groups, heights)
-        groups, planes, is_plane = _split_off_bumps(horizontal.coordinates_m, cells, groups, heights.min_points)
+        parts = _split_in_plan(grid, coordinates, groups, heights.eps_m)
+        parts, is_settled = _split_in_height(grid, coordinates, parts, heights)
+        groups, planes, is_plane = _split_off_bumps(parts, heights.min_points)
         if is_settled and is_plane:
             break
-    surfaces = [_describe(horizontal, plane, int(level_of[plane.rows[0]]), cell_m) for plane in planes]
+    surfaces = [_describe(horizontal, plane, _level_of(levels, plane.part.rows), grid.cell_m) for plane in planes]
     if len(surfaces) > MAX_PATCHES:
         raise CannotMeasure(
             f"patches: {len(surfaces):,} separate surfaces, more than {MAX_PATCHES} are no building; raise "
@@ -83,143 +82,209 @@ def split_levels(horizontal: Horizontal, levels: Levels, params: PatchesParams, 
         )
     joined = [
         surfaces[number]
-        if len(parts) == 1
+        if len(pieces) == 1
         else _describe(
             horizontal,
-            _fit_cells(horizontal.coordinates_m, cells, np.sort(np.concatenate(parts))),
+            _fit_part(_part_of(grid, coordinates, np.sort(np.concatenate(pieces)))),
             surfaces[number].level_id,
-            cell_m,
+            grid.cell_m,
         )
-        for number, parts in _with_crumbs(surfaces)
+        for number, pieces in _with_crumbs(surfaces)
     ]
     ordered = sorted(joined, key=lambda surface: (surface.level_id, surface.height_m))
-    return Patches(tuple(ordered), cell_m)
+    return Patches(tuple(ordered), grid.cell_m)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Grid:
+    """The plan cells that points occupy: the cell of each point (n,), and column and row of each cell (2, c), in order.
+
+    Of points outside the height clusters the cell means nothing.
+    """
+
+    cell_of: Ints
+    places: Ints
+    cell_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Part:
+    """Points that belong together: ascending ``rows`` (r,), and how they fill their plan cells.
+
+    ``cells`` (c,) are the cells of the grid that hold points of the part, ``counts`` (c,) how many each, ``means``
+    (3, c) the means of those; ``place_of`` (r,) tells for each row which of ``cells`` it lies in.
+    """
+
+    rows: Ints
+    place_of: Ints
+    cells: Ints
+    counts: Ints
+    means: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _CellPlane:
-    """The points ``rows`` of a group, the means (3, c) of its cells, and the plane through them.
+    """A part and the plane through its cells."""
 
-    ``cell_of`` (r,) is the cell of each row.
-    """
-
-    rows: Ints
-    means: Floats
-    cell_of: Ints
+    part: _Part
     slope: Floats
     centre: Floats
     sigma_m: float
 
 
-def _plan_cells(plan: Floats, is_used: Bools, cell_m: float) -> tuple[Ints, float]:
-    """Return the plan cell (2, n) of every point, and its size: larger than wanted where the scan is too coarse."""
-    if not is_used.any():
-        return np.zeros(plan.shape, dtype=np.int64), cell_m
-    n_used = int(np.count_nonzero(is_used))
-    low = plan.min(axis=1)[:, None]
+def _level_of(levels: Levels, rows: Ints) -> int:
+    return int(np.searchsorted(levels.start, rows[0], side="right")) - 1
+
+
+def _lay_grid(plan: Floats, levels: Levels, cell_m: float) -> _Grid:
+    """Lay plan cells over the points of all height clusters: larger ones than wanted where the scan is too coarse."""
+    cell_of = np.zeros(plan.shape[1], dtype=np.int64)
+    spans = [slice(start, stop) for start, stop in zip(levels.start, levels.stop, strict=True)]
+    if not spans:
+        return _Grid(cell_of, np.zeros((2, 0), dtype=np.int64), cell_m)
+    n_points = int((levels.stop - levels.start).sum())
+    low, high = plan.min(axis=1), plan.max(axis=1)
     while True:
-        # All are positive: cutting off the decimals rounds down.
-        cells = ((plan - low) / cell_m).astype(np.int64)
-        keys = cells[0] * (int(cells[1].max()) + 1) + cells[1]
-        n_occupied = len(_occupied(keys if n_used == len(keys) else keys[is_used])[0])
-        if n_used >= _POINTS_PER_CELL * n_occupied or cell_m >= _LARGEST_CELL_M:
-            return cells, cell_m
+        n_columns, n_rows = (int(last) + 1 for last in (high - low) / cell_m)
+        # Cluster by cluster: what fits into the processor's cache is worked on several times as fast.
+        for span in spans:
+            # All are positive: cutting off the decimals rounds down.
+            column, row = ((plan[:, span] - low[:, None]) / cell_m).astype(np.int64)
+            cell_of[span] = column * n_rows + row
+        keys = _renumber(cell_of, spans, n_columns * n_rows)
+        if n_points >= _POINTS_PER_CELL * len(keys) or cell_m >= _LARGEST_CELL_M:
+            return _Grid(cell_of, np.stack(np.divmod(keys, n_rows)), cell_m)
         cell_m = min(1.25 * cell_m, _LARGEST_CELL_M)
 
 
-def _occupied(keys: Ints) -> tuple[Ints, Ints, Ints]:
-    """Return the different keys, the place of every key among them, and how often each occurs: as numpy's unique."""
-    low, high = int(keys.min()), int(keys.max())
-    if high - low > _LARGEST_TABLE:
-        found, place, counts = np.unique(keys, return_inverse=True, return_counts=True)
-        return found, place, counts
-    # Few keys beside the number of points: counting is faster than sorting or hashing.
-    table = np.bincount(keys - low)
-    found = np.flatnonzero(table)
-    place = np.cumsum(table > 0) - 1
-    return found + low, place[keys - low], table[found]
+def _renumber(keys: Ints, spans: Sequence[slice], n_keys: int) -> Ints:
+    """Return the different keys in some spans, ascending, and replace each by its place among them."""
+    if n_keys > _LARGEST_TABLE:
+        found: Ints = np.unique(np.concatenate([keys[span] for span in spans]))
+        for span in spans:
+            keys[span] = np.searchsorted(found, keys[span])
+        return found
+    # Few keys beside the number of points: a table is faster than sorting or hashing.
+    is_there = np.zeros(n_keys, dtype=np.bool_)
+    for span in spans:
+        is_there[keys[span]] = True
+    found = np.flatnonzero(is_there)
+    place_of = np.zeros(n_keys, dtype=np.int64)
+    place_of[found] = np.arange(len(found))
+    for span in spans:
+        keys[span] = place_of.take(keys[span])
+    return found
 
 
-def _split_in_plan(cells: Ints, heights: Floats, groups: Ints, eps_m: float) -> Ints:
-    """Return new groups: the parts of each group that hang together in plan; -1 for stray points.
+def _part_of(grid: _Grid, coordinates: Floats, rows: Ints) -> _Part:
+    """Return how some points fill their cells."""
+    cell_of = grid.cell_of.take(rows)
+    first = int(cell_of.min())
+    table = np.bincount(cell_of - first)
+    cells = np.flatnonzero(table)
+    counts = table[cells]
+    place_of = (np.cumsum(table > 0) - 1).take(cell_of - first)
+    means = np.stack([np.bincount(place_of, axis.take(rows)) / counts for axis in coordinates])
+    return _Part(rows, place_of, cells + first, counts, means)
+
+
+def _split_in_plan(grid: _Grid, coordinates: Floats, groups: Sequence[Ints], eps_m: float) -> list[_Part]:
+    """Return the parts of each group that hang together in plan; stray points are in none.
 
     Neighbouring cells whose mean heights differ by much more than eps_z do not hang together: what joins a floor and a
     tread are a few smeared points between them.
     """
-    from sklearn.cluster import DBSCAN
-
-    rows = np.flatnonzero(groups >= 0)
-    result = np.full(len(groups), -1, dtype=np.int64)
-    if not rows.size:
-        return result
-    # Groups lie side by side, too far apart to touch, so that one run serves all of them.
-    width = int(cells[0].max()) + 4
-    height = int(cells[1].max()) + 4
-    keys = (groups[rows] * width + cells[0, rows]) * height + cells[1, rows]
-    occupied, cell_of, counts = _occupied(keys)
-    mean_m = np.bincount(cell_of, heights[rows]) / counts
+    wholes = [_part_of(grid, coordinates, rows) for rows in groups]
+    if not wholes:
+        return []
+    sizes = [len(whole.cells) for whole in wholes]
+    # Each group is a layer of cells of its own.
+    layer = np.repeat(np.arange(len(wholes)), sizes)
+    places = grid.places[:, np.concatenate([whole.cells for whole in wholes])]
+    counts = np.concatenate([whole.counts for whole in wholes])
+    mean_m = np.concatenate([whole.means[2] for whole in wholes])
     step_m = max(_LEAST_STEP_M, _STEP_EPS * eps_m)
-    places = np.stack([occupied // height, occupied % height, mean_m / step_m], axis=1).astype(np.float64)
     wanted = int(max(3.0, _SPARSE_SHARE * _NEIGHBOURHOOD * float(np.median(counts))))
-    # Within one in every coordinate: the eight neighbours of a cell.
-    found = DBSCAN(eps=1.0, min_samples=wanted, metric="chebyshev").fit(places, sample_weight=counts)
-    result[rows] = found.labels_[cell_of]
-    return result
+    labels = cluster_cells(np.stack([layer, *places]), mean_m / step_m, counts, wanted)
+    by_group = np.split(labels, np.cumsum(sizes[:-1]))
+    return [part for whole, own_labels in zip(wholes, by_group, strict=True) for part in _by_label(whole, own_labels)]
 
 
-def _split_in_height(heights: Floats, groups: Ints, params: LevelsParams) -> tuple[Ints, bool]:
-    """Return new groups: thick ones clustered by height again, small ones dropped; and whether nothing was split."""
-    result = np.full(len(groups), -1, dtype=np.int64)
-    n_groups = 0
+def _by_label(whole: _Part, labels: Ints) -> list[_Part]:
+    """Cut a part by labels of its cells, whole numbers without a gap; cells labelled -1 are left out."""
+    is_labelled = labels >= 0
+    if not is_labelled.any():
+        return []
+    labels = np.where(is_labelled, labels - labels[is_labelled].min(), -1)
+    n_labels = int(labels.max()) + 1
+    if n_labels == 1 and is_labelled.all():
+        return [whole]
+    # A stable sort of short whole numbers is linear.
+    short = labels.astype(np.int16) if n_labels < np.iinfo(np.int16).max else labels
+    order, cell_order = (np.argsort(each, kind="stable") for each in (short.take(whole.place_of), short))
+    moved_to = np.argsort(cell_order)
+    place_of = moved_to.take(whole.place_of).take(order)
+    rows, cells = whole.rows.take(order), whole.cells[cell_order]
+    counts, means = whole.counts[cell_order], whole.means[:, cell_order]
+    ends = np.cumsum(np.bincount(labels + 1, whole.counts)).astype(np.int64)
+    cell_ends = np.cumsum(np.bincount(labels + 1))
+    return [
+        _Part(
+            rows[start:stop], place_of[start:stop] - first, cells[first:last], counts[first:last], means[:, first:last]
+        )
+        for (start, stop), (first, last) in zip(itertools.pairwise(ends), itertools.pairwise(cell_ends), strict=True)
+    ]
+
+
+def _split_in_height(
+    grid: _Grid, coordinates: Floats, parts: Sequence[_Part], params: LevelsParams
+) -> tuple[list[_Part], bool]:
+    """Return new parts: thick ones clustered by height again, small ones dropped; and whether nothing was split."""
+    result = []
     is_settled = True
-    for rows in _members(groups):
+    for part in parts:
+        rows = part.rows
         if len(rows) < params.min_points:
             continue
         # Rows are in order of height.
-        if heights[rows[-1]] - heights[rows[0]] <= _THICK_M:
-            result[rows] = n_groups
-            n_groups += 1
+        if coordinates[2, rows[-1]] - coordinates[2, rows[0]] <= _THICK_M:
+            result.append(part)
             continue
-        clusters = cluster_sorted(find_reach(heights[rows], params.eps_m), params.min_points)
+        clusters = cluster_sorted(find_reach(coordinates[2].take(rows), params.eps_m), params.min_points)
         is_settled &= len(clusters.start) == 1
-        for start, stop in zip(clusters.start, clusters.stop, strict=True):
-            result[rows[start:stop]] = n_groups
-            n_groups += 1
+        result += [
+            _part_of(grid, coordinates, rows[start:stop])
+            for start, stop in zip(clusters.start, clusters.stop, strict=True)
+        ]
     return result, is_settled
 
 
-def _split_off_bumps(coordinates: Floats, cells: Ints, groups: Ints, least: int) -> tuple[Ints, list[_CellPlane], bool]:
-    """Return new groups: cells that lie well off their group's plane become a group of their own.
+def _split_off_bumps(parts: Sequence[_Part], least: int) -> tuple[list[Ints], list[_CellPlane], bool]:
+    """Return the rows of new groups: cells that lie well off their part's plane become a group of their own.
 
     A box on a tread may be so near to the next tread in height that both are one height cluster. Returns the planes of
-    the groups as they were, and whether none was split.
+    the parts as they were, and whether none was split.
     """
-    result = groups.copy()
-    n_groups = int(groups.max(initial=-1)) + 1
-    planes = []
-    is_plane = True
-    for rows in _members(groups):
-        plane = _fit_cells(coordinates, cells, rows)
-        planes.append(plane)
-        off = np.abs(_residual(plane.means, plane.slope, plane.centre)) > max(_BUMP_M, _BUMP_SIGMA * plane.sigma_m)
-        bumps = rows[off[plane.cell_of]] if off.any() else rows[:0]
-        if len(bumps) >= least and len(bumps) < len(rows) / 2:
-            result[bumps] = n_groups
-            n_groups += 1
-            is_plane = False
-    return result, planes, is_plane
+    planes = [_fit_part(part) for part in parts]
+    remaining, bumps = [], []
+    for plane in planes:
+        part = plane.part
+        limit = max(_BUMP_M, _BUMP_SIGMA * plane.sigma_m)
+        is_off = np.abs(_residual(part.means, plane.slope, plane.centre)) > limit
+        if least <= int(part.counts[is_off].sum()) < len(part.rows) / 2:
+            is_bump = is_off.take(part.place_of)
+            bumps.append(part.rows[is_bump])
+            remaining.append(part.rows[~is_bump])
+        else:
+            remaining.append(part.rows)
+    return remaining + bumps, planes, not bumps
 
 
-def _fit_cells(coordinates: Floats, cells: Ints, rows: Ints) -> _CellPlane:
-    """Fit a plane to the means of the cells that points occupy, so that every part of a surface counts the same."""
-    own_cells = cells[:, rows]
-    width = int(own_cells[1].max()) + 1
-    _, cell_of, counts = _occupied(own_cells[0] * width + own_cells[1])
-    means = np.stack([np.bincount(cell_of, axis) / counts for axis in coordinates[:, rows]])
+def _fit_part(part: _Part) -> _CellPlane:
+    """Fit a plane to the means of a part's cells, so that every piece of the surface counts the same."""
     # Cells that are barely touched lie on an edge, where stray points weigh most.
-    is_full = counts >= 0.3 * np.median(counts)
-    slope, centre, sigma_m = fit_trimmed(means[:, is_full])
-    return _CellPlane(rows, means, cell_of, slope, centre, sigma_m)
+    is_full = part.counts >= 0.3 * np.median(part.counts)
+    return _CellPlane(part, *fit_trimmed(part.means[:, is_full]))
 
 
 def _with_crumbs(surfaces: list[Surface]) -> list[tuple[int, list[Ints]]]:
@@ -259,34 +324,24 @@ def _goes_with(crumb: Surface, large: Surface) -> bool:
     return bool(np.hypot(gaps[0], gaps[1]).min() <= _CRUMB_GAP_M)
 
 
-def _members(groups: Ints) -> list[Ints]:
-    """Return the rows of each group, ascending."""
-    # A stable sort of short whole numbers is linear.
-    is_short = int(groups.max(initial=0)) < np.iinfo(np.int16).max
-    order = np.argsort(groups.astype(np.int16) if is_short else groups, kind="stable")
-    ordered = groups[order]
-    first = int(np.searchsorted(ordered, 0))
-    order, ordered = order[first:], ordered[first:]
-    return np.split(order, np.flatnonzero(np.diff(ordered)) + 1) if order.size else []
-
-
 def _describe(horizontal: Horizontal, plane: _CellPlane, level_id: int, cell_m: float) -> Surface:
+    part = plane.part
     return Surface(
         level_id=level_id,
-        rows=freeze(plane.rows),
-        cells_m=freeze(plane.means[:2]),
-        area_m2=plane.means.shape[1] * cell_m * cell_m,
+        rows=freeze(part.rows),
+        cells_m=freeze(part.means[:2].copy()),
+        area_m2=len(part.cells) * cell_m * cell_m,
         height_m=float(plane.centre[2]),
         centre_m=freeze(plane.centre),
         slope=freeze(plane.slope),
         sigma_m=plane.sigma_m,
-        plane=_plane_of(horizontal, plane.rows),
+        plane=_plane_of(horizontal, part.rows),
     )
 
 
 def _plane_of(horizontal: Horizontal, rows: Ints) -> PlaneFit:
     """Return the SVD plane of some rows in local scan axes (step 8 of the paper, for a patch)."""
-    fit, _ = fit_plane_rows(horizontal.coordinates_m[:, rows], np.array([0.0, 0.0, 1.0]))
+    fit, _ = fit_plane_rows(horizontal.coordinates_m.take(rows, axis=1), np.array([0.0, 0.0, 1.0]))
     turn = horizontal.level_from_scan.T
     return PlaneFit(
         own(turn @ fit.centroid, (3,), "centroid"),
@@ -325,10 +380,10 @@ def fit_trimmed(points: Floats) -> tuple[Floats, Floats, float]:
             break
     sigma_m = 0.0
     for _ in range(_TRIM_ROUNDS):
-        core = np.partition(np.abs(_residual(points, slope, centre)), n_core - 1)[:n_core]
+        residual = np.abs(_residual(points, slope, centre))
         # The core holds the smallest residuals: its largest is the quantile of the core's share.
-        sigma_m = float(core.max()) / _CORE_QUANTILE
-        kept = np.abs(_residual(points, slope, centre)) <= _TRIM_SIGMA * max(sigma_m, _LEAST_SIGMA_M)
+        sigma_m = float(np.partition(residual, n_core - 1)[n_core - 1]) / _CORE_QUANTILE
+        kept = residual <= _TRIM_SIGMA * max(sigma_m, _LEAST_SIGMA_M)
         if np.count_nonzero(kept) < 3:
             break
         slope, centre = _fit_height(points[:, kept])

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats, freeze, project
+from stair_inspector.geometry.arrays import Floats, Ints, freeze, project
 from stair_inspector.model import Horizontal, LocalPlane, Surface
 from stair_inspector.stages.patches import fit_trimmed
 
@@ -35,7 +35,7 @@ def fit_local(
     left = np.array([-climb[1], climb[0]])
     # Tens of thousands of points give a plane as well as hundreds of thousands.
     stride = -(-len(surface.rows) // _MOST_TO_FIT)
-    rows = horizontal.coordinates_m[:, surface.rows[::stride]]
+    rows = horizontal.coordinates_m.take(surface.rows[::stride], axis=1)
     plan = rows[:2] - origin[:, None]
     s, w = project(plan, climb), project(plan, left)
     s_low, s_high, w_low, w_high = extent
@@ -59,9 +59,10 @@ def plane_of(s: Floats, w: Floats, z: Floats, numbers: tuple[float, float, float
     sigma_m = max(MAD_TO_SIGMA * float(np.median(np.abs(residual - np.median(residual)))), _LEAST_SIGMA_M)
     kept = np.abs(residual) <= 4.0 * sigma_m
     large, _ = block_means(s[kept], w[kept], residual[kept], _BLOCK_M, minimum=3)
-    _, fine_counts = block_means(s[kept], w[kept], residual[kept], FINE_M)
+    # Blocks without points are in the numbering too.
+    fine_counts = np.bincount(_block_keys(s[kept], w[kept], FINE_M)) if kept.any() else np.zeros(0)
     # Cells on the rim are only partly on the surface: the usual cell tells the spacing.
-    per_cell = stride * float(np.median(fine_counts)) if fine_counts.size else 1.0
+    per_cell = stride * float(np.median(fine_counts[fine_counts > 0])) if fine_counts.size else 1.0
     spacing_m = FINE_M / math.sqrt(per_cell)
     n_kept = int(np.count_nonzero(kept))
     covariance = _covariance(large, sigma_m, n_kept, s, w)
@@ -74,14 +75,20 @@ def block_means(s: Floats, w: Floats, value: Floats, side_m: float, minimum: int
     """Return the means (3, b) of s, w and a value over square blocks, and the number of points of each."""
     if not s.size:
         return np.zeros((3, 0)), np.zeros(0)
-    column, row = np.floor(s / side_m).astype(np.int64), np.floor(w / side_m).astype(np.int64)
-    column -= column.min()
-    row -= row.min()
-    keys = column * (int(row.max()) + 1) + row
+    keys = _block_keys(s, w, side_m)
     counts = np.bincount(keys).astype(np.float64)
     chosen = counts >= minimum
     means = np.stack([np.bincount(keys, axis)[chosen] / counts[chosen] for axis in (s, w, value)])
     return means, counts[chosen]
+
+
+def _block_keys(s: Floats, w: Floats, side_m: float) -> Ints:
+    """Return a number for the square block of each of at least one point, none negative."""
+    column, row = np.floor(s / side_m).astype(np.int64), np.floor(w / side_m).astype(np.int64)
+    column -= column.min()
+    row -= row.min()
+    keys: Ints = column * (int(row.max()) + 1) + row
+    return keys
 
 
 def _covariance(blocks: Floats, sigma_m: float, n: int, s: Floats, w: Floats) -> Floats:

@@ -159,7 +159,10 @@ def nearest_rows(horizontal: Horizontal, rows: Ints | slice, centre: Floats, wan
     wanted : int
         All are returned where there are fewer.
     """
-    offset = horizontal.coordinates_m[:, rows] - (horizontal.level_from_scan @ centre)[:, None]
+    coordinates = horizontal.coordinates_m
+    # Taken row by row, the coordinates stay together in memory.
+    chosen = coordinates[:, rows] if isinstance(rows, slice) else coordinates.take(rows, axis=1)
+    offset = chosen - (horizontal.level_from_scan @ centre)[:, None]
     distance = np.einsum("ij,ij->j", offset, offset)
     k = min(wanted, len(distance))
     few = np.argpartition(distance, k - 1)[:k] if 0 < k < len(distance) else np.arange(k)

@@ -116,13 +116,16 @@ def conclude_survey(
         Without steps, and with the reason in a note, where there is no staircase.
     """
     named = _name_patches(paper, scan, patches, chains, forced, survey)
-    labels = np.full(horizontal.n_scan, NON_STAIR_LABEL, dtype=np.int16)
-    patch_ids = np.full(horizontal.n_scan, -1, dtype=np.int64)
+    patch_of_row = np.full(len(horizontal.point_ids), -1, dtype=np.int64)
+    # One label more, at the end, for the points of no patch: the patch -1.
+    label_of = np.full(len(named) + 1, NON_STAIR_LABEL, dtype=np.int16)
     for patch, surface in zip(named, patches.surfaces, strict=True):
-        ids = horizontal.point_ids[surface.rows]
-        patch_ids[ids] = patch.patch_id
+        patch_of_row[surface.rows] = patch.patch_id
         if patch.kind != "rejected":
-            labels[ids] = patch.step_id or 0
+            label_of[patch.patch_id] = patch.step_id or 0
+    patch_ids = np.full(horizontal.n_scan, -1, dtype=np.int64)
+    patch_ids[horizontal.point_ids] = patch_of_row
+    labels = label_of[patch_ids]
     notes = [*scan.notes, *paper.up.notes]
     if survey.steps:
         notes += [

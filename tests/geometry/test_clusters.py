@@ -1,4 +1,4 @@
-"""The clustering on one coordinate is DBSCAN: scikit-learn is the oracle."""
+"""The clusterings on one coordinate and on cells are DBSCAN: scikit-learn is the oracle."""
 
 import tracemalloc
 
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stair_inspector.geometry.clusters import cluster_sorted, find_reach
+from stair_inspector.geometry.clusters import cluster_cells, cluster_sorted, find_reach
 
 N_BINARY_DIGITS = 64
 
@@ -154,3 +154,74 @@ def test_the_input_is_left_alone():
     reach = find_reach(values, 0.1)
     assert not reach.first.flags.writeable
     assert not reach.stop.flags.writeable
+
+
+# cells of a grid
+
+
+def assert_cells_are_dbscan(places, heights, counts, min_points):
+    """Equal to scikit-learn in every label, the numbers of the clusters and the border cells included."""
+    sklearn_cluster = pytest.importorskip("sklearn.cluster")
+    labels = cluster_cells(places, heights, counts, min_points)
+    # Layers so far apart that they do not touch.
+    apart = np.stack([3.0 * places[0], *places[1:], heights], axis=1)
+    oracle = sklearn_cluster.DBSCAN(eps=1.0, min_samples=min_points, metric="chebyshev", algorithm="brute")
+    np.testing.assert_array_equal(labels, oracle.fit(apart, sample_weight=counts).labels_)
+    return labels
+
+
+def cells_of(layers, share, seed, relief=0.8):
+    """A share of the cells of some layers, in order, with random heights and weights."""
+    rng = np.random.default_rng(seed)
+    places = np.stack(np.nonzero(rng.random(layers) < share))
+    return places, rng.normal(0.0, relief, places.shape[1]), rng.integers(1, 10, places.shape[1])
+
+
+cells = st.sets(st.tuples(st.integers(0, 2), st.integers(0, 5), st.integers(0, 5)), min_size=1, max_size=60)
+
+
+@given(cells, st.data(), st.integers(1, 40))
+def test_cells_equal_sklearn_where_steps_equal_the_largest_exactly(places, data, min_points):
+    n = len(places)
+    quarters = data.draw(st.lists(st.integers(-6, 6), min_size=n, max_size=n))
+    counts = data.draw(st.lists(st.integers(1, 9), min_size=n, max_size=n))
+    assert_cells_are_dbscan(np.array(sorted(places)).T, np.array(quarters) / 4.0, np.array(counts), min_points)
+
+
+@pytest.mark.parametrize("share", [0.15, 0.35, 0.6, 1.0])
+@pytest.mark.parametrize("min_points", [1, 12, 30, 44])
+def test_cells_of_several_layers_equal_sklearn(share, min_points):
+    for seed in range(4):
+        assert_cells_are_dbscan(*cells_of((3, 25, 17), share, seed), min_points)
+
+
+def test_cells_that_join_late_are_one_cluster():
+    # Two spirals, one inside the other, that meet in their middle: neighbours along them lie far apart in order.
+    turn = np.linspace(0.0, 6.0 * np.pi, 4000)
+    arms = [np.stack([turn * np.cos(turn + start), turn * np.sin(turn + start)]) for start in (0.0, np.pi)]
+    plan = np.unique(np.rint(3.0 * np.concatenate(arms, axis=1)).astype(int) + 60, axis=1)
+    n = plan.shape[1]
+    labels = assert_cells_are_dbscan(np.stack([np.zeros(n, dtype=int), *plan]), np.zeros(n), np.ones(n, dtype=int), 1)
+    assert (labels == 0).all()
+
+
+def test_a_border_cell_goes_to_the_first_cluster_that_reaches_it():
+    places = np.array([[0, 0, 0, 0, 0], [0, 1, 2, 3, 4], [0, 0, 0, 0, 0]])
+    # With their neighbours they hold 10, 11, 5, 11 and 10 points.
+    counts = np.array([8, 2, 1, 2, 8])
+    np.testing.assert_array_equal(assert_cells_are_dbscan(places, np.zeros(5), counts, 10), [0, 0, 0, 1, 1])
+    np.testing.assert_array_equal(assert_cells_are_dbscan(places, np.zeros(5), counts, 11), [0, 0, 0, 1, 1])
+    np.testing.assert_array_equal(assert_cells_are_dbscan(places, np.zeros(5), counts, 12), [-1] * 5)
+
+
+def test_cells_at_the_ends_of_rows_columns_and_layers_do_not_touch():
+    last, first = np.array([[0, 0], [0, 0], [0, 7]]), np.array([[0, 1], [1, 0], [0, 0]])
+    places = np.concatenate([last, first], axis=1)
+    places = places[:, np.lexsort(places[::-1])]
+    labels = assert_cells_are_dbscan(places, np.zeros(4), np.ones(4, dtype=int), 1)
+    # The first of a row and the first of the next touch; the last of a row and the first of the next do not.
+    np.testing.assert_array_equal(labels, [0, 1, 0, 2])
+
+
+def test_no_cells_have_no_labels():
+    assert cluster_cells(np.zeros((3, 0), dtype=int), np.zeros(0), np.zeros(0, dtype=int), 3).shape == (0,)

@@ -276,6 +276,15 @@ def test_a_shift_moves_the_surfaces_and_nothing_else():
         np.testing.assert_allclose(after.slope, before.slope, atol=1e-9)
 
 
+def test_a_grid_too_wide_for_a_table_gives_the_same_patches(monkeypatch):
+    *_, patches, patch_of = split(mixed_scan())
+    monkeypatch.setattr(stage, "_LARGEST_TABLE", 0)
+    *_, sorted_ones, sorted_of = split(mixed_scan())
+    np.testing.assert_array_equal(sorted_of, patch_of)
+    for before, after in zip(patches.surfaces, sorted_ones.surfaces, strict=True):
+        np.testing.assert_array_equal(after.cells_m, before.cells_m)
+
+
 def test_surfaces_come_by_height_cluster_and_height_and_cannot_be_written_to():
     *_, patches, _ = split(mixed_scan())
     keys = [(surface.level_id, surface.height_m) for surface in patches.surfaces]
