@@ -179,6 +179,57 @@ def test_a_missing_tread_leaves_nulls_around_the_gap_and_a_note():
     assert (flight.n_risers, len(flight.step_ids), flight.pitch_deg) == (10, 9, None)
 
 
+def test_a_missing_highest_tread_is_noted_at_the_landing():
+    stair = replace(EVEN, open_risers=True, missing_treads="9")
+    simulated, building = simulate(stair, COARSE, 1)
+    inspection = inspect(make_scan(simulated.points), PARAMS)
+    assert match(inspection, building, np.zeros(3))[1:] == (0, 0)
+    (note,) = [note for note in inspection.notes if note.code == "tread_missing"]
+    assert note.step == 9
+    assert (inspection.steps[-1].kind, inspection.steps[-1].rise_m) == ("landing", None)
+    assert [flight.n_risers for flight in inspection.flights] == [10]
+
+
+def test_a_missing_lowest_tread_above_a_landing_is_noted():
+    stair = replace(EVEN, n_risers=14, landing_after=7, open_risers=True, missing_treads="8")
+    simulated, building = simulate(stair, replace(COARSE, stations=4), 1)
+    inspection = inspect(make_scan(simulated.points), PARAMS)
+    assert match(inspection, building, np.zeros(3))[1:] == (0, 0)
+    (note,) = [note for note in inspection.notes if note.code == "tread_missing"]
+    assert note.step == 8
+    assert inspection.steps[7].rise_m is None
+    assert [flight.n_risers for flight in inspection.flights] == [7, 7]
+
+
+def test_a_first_riser_far_too_tall_is_measured_with_its_flight():
+    simulated, building = simulate(replace(EVEN, rise_errors_m="1:0.12"), COARSE, 1)
+    inspection = inspect(make_scan(simulated.points), PARAMS)
+    assert off(inspection, building, np.zeros(3), ("rise",)) == []
+    (flight,) = inspection.flights
+    assert flight.rise.max_adjacent == pytest.approx(0.12, abs=0.001)
+    assert {"tread_missing", "foot_unclear"}.isdisjoint(codes(inspection))
+
+
+LONG = {
+    "sixty risers": ({"n_risers": 60}, 6, [60]),
+    "sixty risers, a landing": ({"n_risers": 60, "landing_after": 30}, 8, [30, 30]),
+    "sixty open risers": ({"n_risers": 60, "open_risers": True}, 8, [60]),
+    "thirty risers between walls": ({"n_risers": 30, "wall": "both"}, 6, [30]),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LONG)
+def test_long_flights_are_found_whole_from_a_station_every_five_to_ten_steps(name):
+    changes, stations, risers = LONG[name]
+    scanner = replace(PROFILES["tls_fair"], stations=stations, spacing_m=0.01, registration_m=0.0015, tilt_deg=0.02)
+    simulated, building = simulate(replace(EVEN, **changes), scanner, 3)
+    inspection = inspect(make_scan(simulated.points), replace(PARAMS, up="auto"))
+    assert match(inspection, building, np.zeros(3))[1:] == (0, 0)
+    assert [flight.n_risers for flight in inspection.flights] == risers
+    assert "tread_missing" not in codes(inspection)
+
+
 def test_a_landing_parts_two_flights():
     inspection, building, origin = survey("two flights, landing", stations=4)
     assert off(inspection, building, origin) == []
@@ -514,6 +565,36 @@ def test_a_region_cuts_off_the_upper_flight():
     assert set(inspection.labels[outside]) == {-1}
     assert set(inspection.patch_ids[outside]) == {-1}
     assert len(inspection.labels) == len(scan.points)
+
+
+def cut_by_region(region, stair=EVEN):
+    """What is said of the region in a scan of a stair that climbs along x, its middle at y = 0: step and sides."""
+    simulated, _ = simulate(stair, COARSE, 1)
+    inspection = inspect(make_scan(simulated.points), PARAMS.replaced("overrules.region", region))
+    assert inspection.steps
+    notes = [note for note in inspection.notes if note.code == "region_cuts"]
+    for note in notes:
+        assert note.message.startswith(f"the region of interest cuts through step {note.step} on its ")
+    return inspection, [(note.step, note.message.split(" on its ")[1].split(":")[0]) for note in notes]
+
+
+def test_steps_whose_side_is_cut_by_the_region_say_so():
+    # 1.2 m wide: 0.2 m are cut off on the left; at the back the fifth step is cut through its middle.
+    inspection, cuts = cut_by_region("-1.5,-2,-0.5,1.25,0.4,3")
+    assert {step.step_id for step in inspection.steps} == {1, 2, 3, 4, 5}
+    assert cuts == [(1, "left"), (2, "left"), (3, "left"), (4, "left"), (5, "left"), (5, "back")]
+    # The widths are those of the region, as the notes say.
+    assert all(0.95 < step.width_m.value < 1.05 for step in inspection.steps)
+
+
+def test_a_region_that_leaves_the_steps_whole_says_nothing():
+    _, cuts = cut_by_region("-1.5,-0.75,-0.5,9,0.75,5")
+    assert cuts == []
+
+
+def test_a_region_that_ends_where_the_stair_ends_says_nothing():
+    _, cuts = cut_by_region("-1.5,-0.615,-0.5,9,0.615,5")
+    assert cuts == []
 
 
 def test_a_region_without_points_is_a_wrong_setting():

@@ -28,6 +28,7 @@ from stair_inspector.model import (
 )
 from stair_inspector.params import Params
 from stair_inspector.stages.paper import measure_h, review_steps
+from stair_inspector.stages.region import note_region_cuts
 from stair_inspector.stages.rejects import Forced, explain_rejects, lean_deg
 from stair_inspector.stages.survey import Survey
 
@@ -132,6 +133,7 @@ def conclude_survey(
             *(paper.axes.notes if paper.axes is not None else ()),
             *survey.notes,
             *_disagreement(survey, paper.up),
+            *_region_cuts(paper, scan, horizontal, patches, survey),
         ]
     else:
         reason = _why_no_flight(patches, chains, len(paper.levels))
@@ -256,6 +258,15 @@ def _disagreement(survey: Survey, up: Up) -> list[Note]:
         f"{1000.0 * _USUAL_GOING_M * math.tan(math.radians(lean_deg)):.0f} mm"
     )
     return [Note("treads_lean", "verdict", message)]
+
+
+def _region_cuts(paper: Inspection, scan: Scan, horizontal: Horizontal, patches: Patches, survey: Survey) -> list[Note]:
+    """Note every step that the region of interest cuts through, if there is one."""
+    region = paper.params.overrules.region
+    if not region:
+        return []
+    points = [scan.points[horizontal.point_ids[patches.surfaces[number].rows]] for number in survey.surfaces]
+    return note_region_cuts(scan, paper.up, region, survey.steps, points)
 
 
 def _angle_deg(a: Floats, b: Floats) -> float:
