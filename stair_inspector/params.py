@@ -241,12 +241,22 @@ class UncertaintyParams(Group):
     registration_m: Annotated[
         float,
         Knob(0.0, 0.05, 0.0001, "registration", display_unit="mm", per_display=1000.0),
-        Doc("Standard uncertainty that registration and drift add between two neighbouring steps, metres (0 to 0.05)."),
+        Doc("Standard uncertainty that registration and drift add from one step to the next, metres (0 to 0.05)."),
     ] = 0.0
     edge_m: Annotated[
         float,
         Knob(0.0, 0.05, 0.0005, "edges", display_unit="mm", per_display=1000.0),
-        Doc("Standard uncertainty of an edge that the scanner rounds or smooths away, metres (0 to 0.05)."),
+        Doc("Standard uncertainty of a nosing or back edge that the scanner rounds or displaces, metres (0 to 0.05)."),
+    ] = 0.0
+    side_m: Annotated[
+        float,
+        Knob(0.0, 0.05, 0.0005, "sides", display_unit="mm", per_display=1000.0),
+        Doc("Standard uncertainty of a tread's side edge that the scanner rounds or displaces, metres (0 to 0.05)."),
+    ] = 0.0
+    slope_deg: Annotated[
+        float,
+        Knob(0.0, 5.0, 0.01, "slopes", display_unit="°"),
+        Doc("Standard uncertainty of a tread's fall that stations or passes of the scanner leave, degrees (0 to 5)."),
     ] = 0.0
     up_deg: Annotated[
         float,

@@ -157,6 +157,8 @@ CHANGES = {
     "survey.band_m": 0.006,
     "uncertainty.registration_m": 0.002,
     "uncertainty.edge_m": 0.001,
+    "uncertainty.side_m": 0.002,
+    "uncertainty.slope_deg": 0.05,
     "uncertainty.up_deg": 0.1,
     "uncertainty.scale_percent": 0.2,
     "overrules.force": "level:2=rejected",

@@ -27,6 +27,8 @@ _INNER_M = 0.06
 """Strip behind the edge in which the density of the surface is taken."""
 _OUTER_M = 0.12
 """How far outside the first guess an edge is looked for."""
+_EVENNESS = 0.6
+"""Scatter of counts on a scan thinned to a grid, as a share of a Poisson process's (measured on simulated scans)."""
 _LEAST_INNER = 6
 """Pieces of an edge behind which fewer points lie are hidden by an obstacle and say nothing about it."""
 _HALF = 0.5
@@ -38,6 +40,8 @@ _FACE_ROUNDS = 12
 _SETTLED_M = 2e-6
 """Rounds end when an edge moves by less: a hundredth of what the best scanner can tell."""
 _LEAST_FACE_POINTS = 12
+_DROOP_SIGMA, _LEAST_DEEP = 1.5, 0.5
+"""A face goes on beyond what noise does to a rim: of the points that an even face has there, this share at least."""
 _LEAST_PER_BIN = 4
 _MAD_TO_SIGMA = 1.4826
 
@@ -250,10 +254,10 @@ def find_extent_edge(
         outer = counts[k, inner_stop : min(n_fine, int(coarse[k]) + n_reach + 1)]
         edges.append(guess_m - 2.0 * _INNER_M + fine_m * (inner_stop + float(outer.sum()) / rho))
         places.append(low + (k + 0.5) / n_bins * (high - low))
-        # Counts scatter like those of a Poisson process or less. Expected ones, from inside: by the counts at the edge
-        # itself, pieces that hold few by chance would seem the surer ones.
+        # Counts scatter like those of a Poisson process, but for the evenness of a grid of rays or voxels. Expected
+        # ones, from inside: by the counts at the edge itself, pieces that hold few by chance would seem the surer.
         beyond = n_reach * float(density[k])
-        sigmas.append(fine_m * math.sqrt(max(beyond, 1.0) * (1.0 + n_reach / n_inner)) / float(density[k]))
+        sigmas.append(_EVENNESS * fine_m * math.sqrt(max(beyond, 1.0) * (1.0 + n_reach / n_inner)) / float(density[k]))
     line = fit_line_robust(np.array(places), np.array(edges), np.array(sigmas), is_square) if len(edges) >= 2 else None
     if line is None:
         return None
@@ -313,6 +317,8 @@ def find_face_edge(
     is_mirror = (-size >= abs(near)) & (-size <= abs(far))
     places = np.concatenate([along[is_face], along[is_mirror]])
     values = np.concatenate([out[is_face], out[is_mirror]])
+    deep_from = abs(near) + _DROOP_SIGMA * sampling.sigma_m
+    is_deep = np.concatenate([size[is_face], -size[is_mirror]]) >= deep_from
     sign = np.concatenate([np.ones(np.count_nonzero(is_face)), -np.ones(np.count_nonzero(is_mirror))])
     if sign.sum() < _LEAST_FACE_POINTS:
         return None
@@ -347,7 +353,9 @@ def find_face_edge(
         slope = line.slope
         if abs(moved) < _SETTLED_M:
             break
-    if line is None:
+    # The smoothed rim of a surface droops as if a face began there, but leads no farther down.
+    deep_share = max(0.0, abs(far) - deep_from) / (abs(far) - abs(near))
+    if line is None or sign[is_near & is_deep].sum() < _LEAST_DEEP * deep_share * sign[is_near].sum():
         return None
     middle = line.middle + guess[0] + guess[1] * (line.x_middle - middle_along)
     return EdgeLine(

@@ -10,19 +10,19 @@ from stair_inspector.model import LocalPlane, Measured
 
 K = 2.0
 """Coverage factor: about 95 % for a value whose error is nearly normal."""
-_FACE_EDGE_M = 0.00002
-_FACE_EDGE_SPACING = 0.01
-_FACE_EDGE_SIGMA = 0.05
+_FACE_EDGE_M = 0.000017
+_FACE_EDGE_SPACING = 0.0085
+_FACE_EDGE_SIGMA = 0.0425
 """Doubt about where an edge is, given its face: of a face's flatness, of the spacing and of the noise of the points."""
 _TREAD_EDGE_M = 0.0001
 _TREAD_EDGE_SPACING = 0.25
 _TREAD_EDGE_SIGMA = 0.10
 """The same for an edge known from the extent of a tread only: the last row of points may or may not be there."""
-_SLOPE_SIGMA, _SLOPE_SHARE, _SLOPE_MOST_M = 0.65, 0.25, 0.0012
+_SLOPE_SIGMA, _SLOPE_SHARE, _SLOPE_MOST_M = 0.65, 0.1, 0.0012
 """Doubt about the fall of a tread over its depth, as a share of the noise of single points, the smaller one beyond some
 millimetres: where two stations, or two passes, see the front and the back of a tread, their difference is a slope."""
-COMMON_EDGE = 0.7
-"""Share of the doubt about edges of one kind that is left in the distance of two of them: both are displaced alike."""
+NEAR_EDGES = 0.95
+"""Share of the doubt about two edges that is left in their distance where they lie at one place, displaced alike."""
 _SURFACE_SIGMA = 0.02
 """Doubt about a surface's height beyond its scatter, as a share of the noise of single points."""
 

@@ -18,10 +18,8 @@ from stair_inspector.stages.gaps import (
     missing_foot,
     tall_foot,
 )
-from stair_inspector.stages.links import BASE_RATIO, LEAST_CONTACT_M, Link, angle_deg, depth_along, find_links, turn_deg
+from stair_inspector.stages.links import BASE_RATIO, LEAST_CONTACT_M, Link, angle_deg, depth_along, find_links
 from stair_inspector.stages.rejects import Forced, find_undersides, may_be_step
-
-__all__ = ["LONGEST_TREAD_M", "angle_deg", "depth_along", "find_chains", "turn_deg"]
 
 _MOST_UNEVEN = 1.6
 """Ratio of two rises that follow each other above which they do not belong to one flight."""

@@ -10,7 +10,7 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_extent_edge, find_face_edge
 from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
-from stair_inspector.stages.flights import angle_deg, turn_deg
+from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.patches import fit_trimmed
 from stair_inspector.stages.planes import FINE_M, MAD_TO_SIGMA, STRIP_M, block_means, fit_local, plane_of
 
@@ -53,6 +53,8 @@ _FEWEST_IN_STRIP = 10
 _MEDIAN_NOISE = 1.25
 _FEWEST_FOR_SIDES = 3
 _SIDE_DIFFERS_M = 0.05
+_WEDGE_M = 0.05
+"""Standard uncertainty of either end of a winder's nosing."""
 _UNSEEN_M, _UNSEEN_SLOPE = 0.03, 0.02
 _INSET_M = 0.03
 _NOISY_M = 0.004
@@ -145,7 +147,7 @@ def _shapes_of(
         shapes.append(shape)
         above = shape
     shapes = _with_doubtful_fronts(shapes[::-1])
-    return tuple(shapes if common is None else _with_common_sides(shapes, common))
+    return tuple(_with_wedge_sides(shapes, chain) if common is None else _with_common_sides(shapes, common))
 
 
 def _with_doubtful_fronts(shapes: list[StepShape]) -> list[StepShape]:
@@ -164,6 +166,30 @@ def _with_doubtful_fronts(shapes: list[StepShape]) -> list[StepShape]:
         )
         for shape in shapes
     ]
+
+
+def _with_wedge_sides(shapes: list[StepShape], chain: Chain) -> list[StepShape]:
+    """Doubt the sides of the steps of a winding flight, where it turns.
+
+    The sides of a wedge are neither square to its nosing nor parallel, and its narrow end is hidden by those above. A
+    step that is narrower than most may end in a shadow, at either side.
+    """
+    widths = [shape.left.middle_m - shape.right.middle_m for shape in shapes]
+    usual_m = float(np.median(widths))
+    result = []
+    turns = [abs(turn_deg(a, b)) > _WINDING_DEG for a, b in itertools.pairwise(chain.climbs)]
+    for k, (shape, width_m) in enumerate(zip(shapes, widths, strict=True)):
+        is_wedge = any(turns[max(k - 1, 0) : k + 1])
+        hidden_m = usual_m - width_m
+        doubt_m, is_hidden = _WEDGE_M if is_wedge else 0.0, hidden_m > _SIDE_DIFFERS_M
+        if is_hidden:
+            doubt_m = math.hypot(doubt_m, hidden_m / 2.0)
+        changed = [
+            replace(edge, noise_m=math.hypot(edge.noise_m, doubt_m), support=0.0 if is_hidden else edge.support)
+            for edge in (shape.left, shape.right)
+        ]
+        result.append(replace(shape, left=changed[0], right=changed[1]))
+    return result
 
 
 def _with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]:

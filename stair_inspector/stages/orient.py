@@ -1,6 +1,7 @@
 """Which way is up, how is every point's surface turned, and how high is it?"""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from stair_inspector.geometry.clusters import cluster_sorted, find_reach
 from stair_inspector.geometry.fits import PlaneFit, find_plane_ransac, fit_plane, spread_rank
 from stair_inspector.geometry.normals import estimate_normals
 from stair_inspector.model import HeightOrder, Normals, Note, Scan, Up
-from stair_inspector.params import FloorParams, Method, NormalsParams, parse_region, parse_up
+from stair_inspector.params import FlightsParams, FloorParams, Method, NormalsParams, parse_region, parse_up
 
 _MIN_POINTS = 50
 """Below this a scan has no surface to speak of."""
@@ -22,13 +23,23 @@ _CANDIDATE_SHARE = 0.05
 _LEVEL_TOLERANCE_DEG = 15.0
 _LEVEL_EPS_M = 0.02
 _LEVEL_SHARE = 0.01
-"""A level parallel to a plane counts when it holds at least this share of the points that face the same way."""
+"""A level parallel to a plane is found when it holds this share of the points that face the same way, found ones left
+out: beside a floor and landings each tread of a long stair holds far less than this share of all of them."""
 _LEANING_DEG = 45.0
 _CEILING_SHARE = 0.8
 """Share of the points off the plane that lie below it, above which it is no floor."""
 _LEVELLED_DEG = 20.0
 _LEVELLED_BONUS = 2.0
 """Most scans are made with z up: a plane that leans less than this from level counts double."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Support:
+    """What speaks for a plane as the floor: large levels parallel to it, levels that are steps, points facing its way."""
+
+    n_levels: int
+    n_steps: int
+    n_points: int
 
 
 def find_normals(scan: Scan, params: NormalsParams) -> Normals:
@@ -70,7 +81,8 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: 
     -----
     With the paper's method the floor is the largest plane, whatever it is. In a narrow stairwell that is a wall. With
     the survey's, up to six planes are taken out one after the other, and the floor is the one that faces the way of
-    most points and most separate levels; a plane that is level in the scan's own frame counts double.
+    most points and most separate levels; levels that follow each other as the steps of a flight count twice, and a
+    plane that is level in the scan's own frame counts double.
 
     A plane has no upper side: where its normal is within 45 degrees of the scan's z axis, up is on the side of +z;
     elsewhere it is the side on which most of the scan lies.
@@ -94,15 +106,17 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: 
         raise CannotMeasure(
             f"{scan.name}: no floor found ({error}); give the up direction, for example --up z"
         ) from error
-    support = [_count_levels(scan.points[few], normals.vectors[few], plane) for plane in candidates]
+    support = [_find_support(scan.points[few], normals.vectors[few], plane) for plane in candidates]
     chosen = _choose_floor(candidates, support)
     if method != "paper":
         candidates = [_fitted_to_all(scan.points, plane, params.distance_m) for plane in candidates[: chosen + 1]]
     vector, notes = _turn_upwards(scan.points, candidates[chosen], params.distance_m)
     if chosen > 0:
         message = (
-            f"the floor is not the largest plane: a plane with {candidates[0].n_points:,} points has {support[0][0]} "
-            f"levels parallel to it, the one taken has {candidates[chosen].n_points:,} points and {support[chosen][0]}"
+            f"the floor is not the largest plane: a plane with {candidates[0].n_points:,} points has "
+            f"{support[0].n_levels} large levels parallel to it and {support[0].n_steps} that follow each other as "
+            f"steps, the one taken has {candidates[chosen].n_points:,} points, {support[chosen].n_levels} and "
+            f"{support[chosen].n_steps}"
         )
         notes = (Note("floor_not_largest", "orient", message), *notes)
     return Up(own(vector, (3,), "up"), "floor", notes=notes)
@@ -215,29 +229,65 @@ def _fitted_to_all(points: Floats, plane: PlaneFit, distance_m: float) -> PlaneF
     return plane if fitted.normal is None else fitted
 
 
-def _count_levels(points: Floats, normals: Floats, plane: PlaneFit) -> tuple[int, int]:
-    """Count the separate levels of surface parallel to a plane, and the points that face its way."""
+def _find_support(points: Floats, normals: Floats, plane: PlaneFit) -> _Support:
+    """Find the separate levels of surface parallel to a plane, and the points that face its way."""
     normal = _normal(plane)
-    is_parallel = np.abs(normals @ normal) >= math.cos(math.radians(_LEVEL_TOLERANCE_DEG))
-    heights = np.sort(points[is_parallel] @ normal)
-    if heights.size == 0:
-        return 0, 0
-    wanted = max(_MIN_POINTS, int(_LEVEL_SHARE * heights.size))
-    clusters = cluster_sorted(find_reach(heights, _LEVEL_EPS_M), wanted)
-    return len(clusters.start), heights.size
+    rows = points[np.abs(normals @ normal) >= math.cos(math.radians(_LEVEL_TOLERANCE_DEG))]
+    heights = rows @ normal
+    order = np.argsort(heights, kind="stable")
+    heights, rows = heights[order], rows[order]
+    n_levels, middles = 0, []
+    # What the largest levels leave is searched again: the share that makes a level is one of the rest.
+    while len(heights) >= _MIN_POINTS:
+        wanted = max(_MIN_POINTS, int(_LEVEL_SHARE * len(heights)))
+        clusters = cluster_sorted(find_reach(heights, _LEVEL_EPS_M), wanted)
+        if not len(clusters.start):
+            break
+        n_levels = n_levels or len(clusters.start)
+        is_rest = np.ones(len(heights), dtype=np.bool_)
+        for start, stop in zip(clusters.start, clusters.stop, strict=True):
+            middles.append(rows[start:stop].mean(axis=0))
+            is_rest[start:stop] = False
+        heights, rows = heights[is_rest], rows[is_rest]
+    return _Support(n_levels, _count_steps(np.array(middles).reshape(-1, 3), normal), len(order))
 
 
-def _choose_floor(candidates: list[PlaneFit], support: list[tuple[int, int]]) -> int:
-    """Return the index of the floor among planes, given the levels parallel to each and the points that face its way.
+def _count_steps(middles: Floats, normal: Floats) -> int:
+    """Count the levels, given by their middles (n, 3), that follow each other as steps do.
 
-    A stair has many levels, a floor many points, a wall only points and a shelf only levels: the product decides, the
-    points by their root, because the wall of a stairwell may have ten times the points of its treads. That settles the
-    direction; of the planes that face that way the largest gives it most exactly.
+    From one to the next a flight goes on in about the same direction, and farther along than up: of a stair lying on
+    its back, whose risers would be the treads, the second is not true.
+    """
+    limits = FlightsParams()
+    heights = middles @ normal
+    order = np.argsort(heights, kind="stable")
+    rises = np.diff(heights[order])
+    goings = np.diff(middles[order], axis=0) - rises[:, None] * normal
+    lengths = np.linalg.norm(goings, axis=1)
+    is_rise = (rises >= limits.min_rise_m) & (rises <= limits.max_rise_m)
+    is_straight = np.einsum("ij,ij->i", goings[:-1], goings[1:]) >= (
+        math.cos(math.radians(limits.turn_deg)) * lengths[:-1] * lengths[1:]
+    )
+    is_flat = np.linalg.norm(goings[:-1] + goings[1:], axis=1) >= rises[:-1] + rises[1:]
+    goes_on = is_rise[:-1] & is_rise[1:] & is_straight & is_flat
+    # Three levels in a row are found in any heap of boxes: two such threes, one level apart, are a flight.
+    first = np.flatnonzero(goes_on[:-1] & goes_on[1:])
+    return len(np.unique(first[:, None] + np.arange(4)))
+
+
+def _choose_floor(candidates: list[PlaneFit], support: list[_Support]) -> int:
+    """Return the index of the floor among planes, given what speaks for each.
+
+    A stair has many levels, which are steps, a floor many points, a wall only points and a shelf only levels: the
+    product decides, the points by their root, because the wall of a stairwell may have ten times the points of its
+    treads. That settles the direction; of the planes that face that way the largest gives it most exactly.
     """
     cosine = math.cos(math.radians(_LEVELLED_DEG))
     scores = [
-        n_levels * math.sqrt(n_parallel) * (_LEVELLED_BONUS if abs(_normal(plane)[2]) >= cosine else 1.0)
-        for plane, (n_levels, n_parallel) in zip(candidates, support, strict=True)
+        (found.n_levels + found.n_steps)
+        * math.sqrt(found.n_points)
+        * (_LEVELLED_BONUS if abs(_normal(plane)[2]) >= cosine else 1.0)
+        for plane, found in zip(candidates, support, strict=True)
     ]
     best = _normal(candidates[int(np.argmax(scores))])
     same_way = math.cos(math.radians(_LEVEL_TOLERANCE_DEG))

@@ -26,8 +26,9 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
-from stair_inspector.stages.doubt import COMMON_EDGE, edge_doubt, expanded, slope_doubt, surface_doubt
-from stair_inspector.stages.flights import LONGEST_TREAD_M, angle_deg, turn_deg
+from stair_inspector.stages.doubt import NEAR_EDGES, edge_doubt, expanded, slope_doubt, surface_doubt
+from stair_inspector.stages.gaps import LONGEST_TREAD_M
+from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.nosings import flight_after, straight_climb
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.treads import nearest_rows
@@ -63,6 +64,8 @@ class _Context:
     up_rad: float
     registration_m: float
     edge_m: float
+    side_m: float
+    slope: float
     scale: float
     scan_from_level: Floats
 
@@ -104,6 +107,8 @@ def measure_survey(
         up_rad=math.radians(u_up_deg),
         registration_m=doubts.registration_m,
         edge_m=doubts.edge_m,
+        side_m=doubts.side_m,
+        slope=math.tan(math.radians(doubts.slope_deg)),
         scale=doubts.scale_percent / 100.0,
         scan_from_level=horizontal.level_from_scan.T,
     )
@@ -169,6 +174,7 @@ class _Measurer:
         self._shapes = shapes if after is None else (*shapes, after)
         self._context = context
         self._climbs = find_climbs(chain, shapes)
+        self._is_straight = straight_climb(chain) is not None
         share = params.line_percent / 100.0
         self._lines = [self._lines_of(shape, (1.0 - share, 0.5, share)) for shape in self._shapes]
 
@@ -185,7 +191,7 @@ class _Measurer:
             next_rise = None
             if k + 1 < n:
                 next_rise = self._rise(k + 1, rises[k + 1], goings[k])
-            depth = self._depth(k)
+            depth = self._depth(k, goings[k])
             steps.append(
                 Step(
                     step_id=0,
@@ -288,8 +294,12 @@ class _Measurer:
         return math.hypot(shape.front.noise_at(w_m), self._doubt(shape.front, shape))
 
     def _doubt(self, edge: EdgeLine, shape: StepShape) -> float:
-        """Return how uncertain the place of an edge is beyond the scatter along it, metres."""
+        """Return how uncertain the place of a front or back edge is beyond the scatter along it, metres."""
         return math.hypot(edge_doubt(edge, shape.plane), self._context.edge_m)
+
+    def _side_doubt(self, edge: EdgeLine, shape: StepShape) -> float:
+        """Return the same of an edge at a tread's side."""
+        return math.hypot(edge_doubt(edge, shape.plane), self._context.side_m)
 
     def _going(self, k: int, goings: tuple[float | None, ...] | None) -> Measured | None:
         if goings is None or goings[1] is None:
@@ -300,15 +310,26 @@ class _Measurer:
         return expanded(
             goings[1],
             noise=math.hypot(lower.front.noise_at(line.w_m), upper.front.noise_at(w)),
-            edge=COMMON_EDGE * math.hypot(self._doubt(lower.front, lower), self._doubt(upper.front, upper)),
+            edge=math.hypot(
+                self._doubt(lower.front, lower), self._doubt(upper.front, upper), self._wedge_doubt(k, goings)
+            ),
             up=self._context.up_rad * abs(rise_m),
             registration=self._context.registration_m,
             scale=self._context.scale * goings[1],
         )
 
-    def _depth(self, k: int) -> Measured | None:
+    def _wedge_doubt(self, k: int, goings: tuple[float | None, ...] | None) -> float:
+        """Return what is added by not knowing the middle of a wedge's nosing: its going grows along the nosing."""
+        shape = self._shapes[k]
+        if goings is None or goings[0] is None or goings[2] is None or self._is_straight:
+            return 0.0
+        left, _, right = self._lines[k]
+        growth = (goings[0] - goings[2]) / (left.w_m - right.w_m)
+        return abs(growth) * math.hypot(shape.left.noise_m, shape.right.noise_m) / 2.0
+
+    def _depth(self, k: int, goings: tuple[float | None, ...] | None) -> Measured | None:
         shape, line = self._shapes[k], self._lines[k][1]
-        edge = self._doubt(shape.front, shape)
+        edge = math.hypot(self._doubt(shape.front, shape), self._wedge_doubt(k, goings))
         noise = shape.front.noise_at(line.w_m)
         if shape.back is not None:
             depth_m = shape.back.at(line.w_m) - line.s_m
@@ -330,7 +351,10 @@ class _Measurer:
         )
 
     def _overhang(self, k: int, depth: Measured | None, going: Measured | None) -> Measured | None:
-        """Return how far the next nosing stands over this tread; its own nosing, in both terms, drops out."""
+        """Return how far the next nosing stands over this tread; its own nosing, in both terms, drops out.
+
+        The two edges lie at one place, so that registration adds nothing and what displaces one displaces the other.
+        """
         if depth is None or going is None:
             return None
         shape, above = self._shapes[k], self._shapes[k + 1]
@@ -338,22 +362,24 @@ class _Measurer:
         noise, edge = above.front.noise_at(self._lines[k + 1][1].w_m), self._doubt(above.front, above)
         if shape.back is not None:
             noise = math.hypot(noise, shape.back.noise_at(w))
-            edge = math.hypot(edge, self._doubt(shape.back, shape))
+            edge = NEAR_EDGES * math.hypot(edge, self._doubt(shape.back, shape))
         elif shape.back_limits is not None:
             edge = math.hypot(edge, (shape.back_limits[1] - shape.back_limits[0]) / 4.0)
         rise_m = above.plane.at(0.0, 0.0) - shape.plane.at(0.0, 0.0)
+        # Square to the nosing above, which on a winding flight is not the way that depth and going are measured.
+        is_last = k + 1 >= self._n_steps
+        turn = 1.0 if is_last else float(self._climbs[k] @ self._climbs[k + 1])
         return expanded(
-            depth.value - going.value,
+            turn * (depth.value - going.value),
             noise=noise,
             edge=edge,
             up=self._context.up_rad * abs(rise_m),
-            registration=self._context.registration_m,
         )
 
     def _width(self, k: int) -> Measured:
         shape = self._shapes[k]
         s = self._mid_depth(k)
-        doubt = math.hypot(self._doubt(shape.left, shape), self._doubt(shape.right, shape))
+        doubt = math.hypot(self._side_doubt(shape.left, shape), self._side_doubt(shape.right, shape))
         width_m = shape.left.at(s) - shape.right.at(s)
         return expanded(
             width_m,
@@ -390,6 +416,7 @@ class _Measurer:
             math.degrees(math.atan(slope)),
             noise=math.degrees(noise / (1.0 + slope * slope)),
             up=math.degrees(self._context.up_rad),
+            registration=math.degrees(abs(along[1]) * self._context.slope / (1.0 + slope * slope)),
         )
 
     def _corners(self, k: int) -> Floats:
@@ -565,13 +592,13 @@ def _notes_of(chain: Chain, shapes: tuple[StepShape, ...], steps: Sequence[Step]
         if chain.n_missing[k]:
             count = chain.n_missing[k]
             text = "a tread is" if count == 1 else f"{count} treads are"
-            message = (
-                f"{text} missing between step {here - 1} and step {here}: neither the rise to step {here} nor the "
-                f"going of step {here - 1} is defined"
-            )
+            below, lost = f"step {here - 1}", f"neither the rise to step {here} nor the going of step {here - 1} is"
+            if k == 0:
+                below, lost = "the floor or landing", f"the rise to step {here} is not"
+            message = f"{text} missing or not seen between {below} and step {here}: {lost} defined"
             notes.append(Note("tread_missing", "survey", message, here))
         elif step.rise_m is None:
-            message = f"step {here} has no rise: no floor or landing was seen in front of it"
+            message = f"step {here} has no rise: no floor or landing was seen a riser below it"
             notes.append(Note("rise_unobserved", "survey", message, here))
         if not shape.front.support:
             message = f"the nosing of step {here} was not seen, only the rim of its surface: its place is uncertain"

@@ -108,17 +108,20 @@ def test_the_default_preset_is_the_defaults():
 
 
 @pytest.mark.parametrize(
-    ("name", "registration_m", "edge_m", "up_deg", "scale_percent"),
+    ("name", "registration_m", "edge_m", "side_m", "slope_deg", "up_deg", "scale_percent"),
     [
-        ("tls", 0.0001, 0.0, 0.01, 0.0),
-        ("handheld", 0.0014, 0.0024, 0.15, 0.0),
-        ("robot_lidar", 0.0023, 0.0065, 0.15, 0.0),
-        ("depth_camera", 0.0042, 0.003, 0.2, 0.0),
-        ("phone", 0.005, 0.0075, 0.3, 0.5),
+        ("tls", 7e-05, 0.0, 0.0, 0.0, 0.008, 0.0),
+        ("handheld", 0.00075, 0.0005, 0.0012, 0.1, 0.1, 0.0),
+        ("robot_lidar", 0.0015, 0.0014, 0.0025, 0.4, 0.13, 0.0),
+        ("depth_camera", 0.003, 0.002, 0.012, 0.25, 0.17, 0.0),
+        ("phone", 0.0042, 0.004, 0.016, 0.45, 0.1, 0.5),
     ],
 )
-def test_a_scanners_preset_states_what_its_class_leaves_uncertain(name, registration_m, edge_m, up_deg, scale_percent):
-    assert find_preset(name).params.uncertainty == UncertaintyParams(registration_m, edge_m, up_deg, scale_percent)
+def test_a_scanners_preset_states_what_its_class_leaves_uncertain(
+    name, registration_m, edge_m, side_m, slope_deg, up_deg, scale_percent
+):
+    stated = UncertaintyParams(registration_m, edge_m, side_m, slope_deg, up_deg, scale_percent)
+    assert find_preset(name).params.uncertainty == stated
 
 
 def test_every_scanners_preset_states_an_uncertainty_and_decides_nothing():
