@@ -319,15 +319,15 @@ def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float) -> StepSh
     w, r = near.w[is_strip], near.r[is_strip]
     by_plane = math.hypot(plane.noise_at(shape.front.middle_m, (low + high) / 2.0), plane.misfit_m)
     whole_m, whole_noise_m = _strip_height(r, plane)
-    # A strip far off what is usual on this surface is spoilt by the edge, not part of the tread.
-    if abs(whole_m) > max(_LEAST_ODD_M, _STRIP_SIGMAS * (plane.misfit_m + whole_noise_m)):
-        return replace(shape, nosing_offsets=(0.0, 0.0, 0.0), nosing_noise=(by_plane, by_plane, by_plane))
+    # A strip far off what is usual is spoilt by the edge, not part of the tread: the plane is all there is.
+    if abs(whole_m) > _LEAST_ODD_M + _STRIP_SIGMAS * whole_noise_m:
+        whole_m, whole_noise_m = 0.0, math.inf
     offsets, noises = [], []
     for start, stop in ((2.0 / 3.0, 1.0), (1.0 / 3.0, 2.0 / 3.0), (0.0, 1.0 / 3.0)):
         mine = r[(w >= low + start * (high - low)) & (w <= low + stop * (high - low))]
         own_m, own_noise_m = _strip_height(mine, plane)
         chance_m = _STRIP_SIGMAS * math.hypot(own_noise_m, _STRIP_POSE_SIGMA * plane.sigma_m)
-        is_other = chance_m < abs(own_m - whole_m) <= _MOST_WORN_M
+        is_other = chance_m < abs(own_m - whole_m) <= max(_MOST_WORN_M, _STRIP_SIGMAS * plane.misfit_m)
         offset_m, noise_m = (own_m, own_noise_m) if is_other else (whole_m, whole_noise_m)
         offsets.append(offset_m)
         # Between the strip and the nosing itself the surface may depart from its plane some more.
