@@ -388,7 +388,7 @@ def test_u_is_the_root_of_the_squares_of_its_named_parts():
 @pytest.mark.parametrize(
     ("setting", "value", "part", "alike"),
     [
-        ("uncertainty.registration_m", 0.002, "registration", {"fall_deg", "cross_fall_deg", "nosing_overhang_m"}),
+        ("uncertainty.registration_m", 0.002, "registration", {"fall_deg", "cross_fall_deg"}),
         ("uncertainty.edge_m", 0.003, "edge", {"fall_deg", "cross_fall_deg", "width_m"}),
         (
             "uncertainty.side_m",
@@ -683,7 +683,9 @@ def test_a_robots_map_of_entrance_stairs():
     inspection = capture("anymal_entrance_stairs.pcd")
     rises = [step.rise_m.value for step in inspection.steps if step.flight == 1]
     assert len(rises) >= 4
-    assert rises[:3] == pytest.approx((0.172, 0.169, 0.164), abs=0.01)
+    # The folder's reading of the first, 172 mm, is from the floor half a metre before the stair; the floor rises towards
+    # it, and at its foot lies 162 mm below the first tread (medians of the map's columns in the middle third).
+    assert rises[:3] == pytest.approx((0.162, 0.169, 0.164), abs=0.01)
 
 
 @pytest.mark.slow

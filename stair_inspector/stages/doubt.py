@@ -21,8 +21,8 @@ _TREAD_EDGE_SIGMA = 0.10
 _SLOPE_SIGMA, _SLOPE_SHARE, _SLOPE_MOST_M = 0.65, 0.1, 0.0012
 """Doubt about the fall of a tread over its depth, as a share of the noise of single points, the smaller one beyond some
 millimetres: where two stations, or two passes, see the front and the back of a tread, their difference is a slope."""
-NEAR_EDGES = 0.95
-"""Share of the doubt about two edges that is left in their distance where they lie at one place, displaced alike."""
+NEAR_REGISTRATION = 0.5
+"""Share of what registration adds from one step to the next that is left between two edges at one place."""
 _SURFACE_SIGMA = 0.02
 """Doubt about a surface's height beyond its scatter, as a share of the noise of single points."""
 

@@ -540,6 +540,9 @@ class _Finder:
         if self.params.edge_source == "face" or extent is None:
             return face
         apart = face.at(middle) - extent.at(middle)
+        if extent.support < _LEAST_SUPPORT and apart > 0.0:
+            # Seen to end along half of the edge only: what is missing in front of the face lies in a shadow.
+            return face
         noise = math.hypot(extent.noise_m, face.noise_m)
         doubt = _FACE_AGREES_M + self.sampling.spacing_m + _AGREE_SIGMAS * noise
         # A tread that goes on beyond the face overhangs it, and its end is the edge. But the face's own topmost row of

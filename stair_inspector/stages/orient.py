@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector.errors import CannotMeasure, ConfigError, DegenerateGeometry
-from stair_inspector.geometry.arrays import Floats, freeze, own, project, scatter_of
+from stair_inspector.geometry.arrays import Bools, Floats, freeze, own, project, scatter_of
 from stair_inspector.geometry.clusters import cluster_sorted, find_reach
 from stair_inspector.geometry.fits import PlaneFit, find_plane_ransac, fit_plane, spread_rank
 from stair_inspector.geometry.normals import estimate_normals
@@ -25,17 +25,21 @@ _LEVEL_EPS_M = 0.02
 _LEVEL_SHARE = 0.01
 """A level parallel to a plane is found when it holds this share of the points that face the same way, found ones left
 out: beside a floor and landings each tread of a long stair holds far less than this share of all of them."""
+_STEEPEST_DEG = 42.0
+"""Pitch of the steepest stair whose treads are told from its risers by it: at 45 degrees both are equal."""
 _LEANING_DEG = 45.0
 _CEILING_SHARE = 0.8
 """Share of the points off the plane that lie below it, above which it is no floor."""
 _LEVELLED_DEG = 20.0
 _LEVELLED_BONUS = 2.0
 """Most scans are made with z up: a plane that leans less than this from level counts double."""
+_STEP_BONUS = 3.0
+"""A level that is a step counts so many times: a flight says more than the scan's z axis, as many have y up."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Support:
-    """What speaks for a plane as the floor: large levels parallel to it, levels that are steps, points facing its way."""
+    """What speaks for a plane as the floor: levels parallel to it, how many are steps, and points that face its way."""
 
     n_levels: int
     n_steps: int
@@ -81,8 +85,8 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: 
     -----
     With the paper's method the floor is the largest plane, whatever it is. In a narrow stairwell that is a wall. With
     the survey's, up to six planes are taken out one after the other, and the floor is the one that faces the way of
-    most points and most separate levels; levels that follow each other as the steps of a flight count twice, and a
-    plane that is level in the scan's own frame counts double.
+    most points and most separate levels; levels that follow each other as the steps of a flight count three times, and
+    a plane that is level in the scan's own frame counts double.
 
     A plane has no upper side: where its normal is within 45 degrees of the scan's z axis, up is on the side of +z;
     elsewhere it is the side on which most of the scan lies.
@@ -114,9 +118,9 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: 
     if chosen > 0:
         message = (
             f"the floor is not the largest plane: a plane with {candidates[0].n_points:,} points has "
-            f"{support[0].n_levels} large levels parallel to it and {support[0].n_steps} that follow each other as "
-            f"steps, the one taken has {candidates[chosen].n_points:,} points, {support[chosen].n_levels} and "
-            f"{support[chosen].n_steps}"
+            f"{support[0].n_levels} levels parallel to it, {support[0].n_steps} of them as steps follow each other, "
+            f"the one taken has {candidates[chosen].n_points:,} points, {support[chosen].n_levels} levels and "
+            f"{support[chosen].n_steps} steps"
         )
         notes = (Note("floor_not_largest", "orient", message), *notes)
     return Up(own(vector, (3,), "up"), "floor", notes=notes)
@@ -230,30 +234,33 @@ def _fitted_to_all(points: Floats, plane: PlaneFit, distance_m: float) -> PlaneF
 
 
 def _find_support(points: Floats, normals: Floats, plane: PlaneFit) -> _Support:
-    """Find the separate levels of surface parallel to a plane, and the points that face its way."""
+    """Count the separate levels of surface parallel to a plane, large or a step, and the points that face its way."""
     normal = _normal(plane)
     rows = points[np.abs(normals @ normal) >= math.cos(math.radians(_LEVEL_TOLERANCE_DEG))]
     heights = rows @ normal
     order = np.argsort(heights, kind="stable")
     heights, rows = heights[order], rows[order]
-    n_levels, middles = 0, []
+    middles: list[Floats] = []
+    n_large = 0
     # What the largest levels leave is searched again: the share that makes a level is one of the rest.
     while len(heights) >= _MIN_POINTS:
         wanted = max(_MIN_POINTS, int(_LEVEL_SHARE * len(heights)))
         clusters = cluster_sorted(find_reach(heights, _LEVEL_EPS_M), wanted)
         if not len(clusters.start):
             break
-        n_levels = n_levels or len(clusters.start)
+        n_large = n_large or len(clusters.start)
         is_rest = np.ones(len(heights), dtype=np.bool_)
         for start, stop in zip(clusters.start, clusters.stop, strict=True):
             middles.append(rows[start:stop].mean(axis=0))
             is_rest[start:stop] = False
         heights, rows = heights[is_rest], rows[is_rest]
-    return _Support(n_levels, _count_steps(np.array(middles).reshape(-1, 3), normal), len(order))
+    is_step = _find_steps(np.array(middles).reshape(-1, 3), normal)
+    n_levels = n_large + int(np.count_nonzero(is_step[n_large:]))
+    return _Support(n_levels, int(np.count_nonzero(is_step)), len(order))
 
 
-def _count_steps(middles: Floats, normal: Floats) -> int:
-    """Count the levels, given by their middles (n, 3), that follow each other as steps do.
+def _find_steps(middles: Floats, normal: Floats) -> Bools:
+    """Return which levels, given by their middles (n, 3), follow each other as steps do.
 
     From one to the next a flight goes on in about the same direction, and farther along than up: of a stair lying on
     its back, whose risers would be the treads, the second is not true.
@@ -268,11 +275,14 @@ def _count_steps(middles: Floats, normal: Floats) -> int:
     is_straight = np.einsum("ij,ij->i", goings[:-1], goings[1:]) >= (
         math.cos(math.radians(limits.turn_deg)) * lengths[:-1] * lengths[1:]
     )
-    is_flat = np.linalg.norm(goings[:-1] + goings[1:], axis=1) >= rises[:-1] + rises[1:]
+    steepest = math.tan(math.radians(_STEEPEST_DEG))
+    is_flat = rises[:-1] + rises[1:] <= steepest * np.linalg.norm(goings[:-1] + goings[1:], axis=1)
     goes_on = is_rise[:-1] & is_rise[1:] & is_straight & is_flat
     # Three levels in a row are found in any heap of boxes: two such threes, one level apart, are a flight.
     first = np.flatnonzero(goes_on[:-1] & goes_on[1:])
-    return len(np.unique(first[:, None] + np.arange(4)))
+    is_step = np.zeros(len(middles), dtype=np.bool_)
+    is_step[order[first[:, None] + np.arange(4)]] = True
+    return is_step
 
 
 def _choose_floor(candidates: list[PlaneFit], support: list[_Support]) -> int:
@@ -284,7 +294,7 @@ def _choose_floor(candidates: list[PlaneFit], support: list[_Support]) -> int:
     """
     cosine = math.cos(math.radians(_LEVELLED_DEG))
     scores = [
-        (found.n_levels + found.n_steps)
+        (found.n_levels + (_STEP_BONUS - 1.0) * found.n_steps)
         * math.sqrt(found.n_points)
         * (_LEVELLED_BONUS if abs(_normal(plane)[2]) >= cosine else 1.0)
         for plane, found in zip(candidates, support, strict=True)

@@ -26,7 +26,7 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
-from stair_inspector.stages.doubt import NEAR_EDGES, edge_doubt, expanded, slope_doubt, surface_doubt
+from stair_inspector.stages.doubt import NEAR_REGISTRATION, edge_doubt, expanded, slope_doubt, surface_doubt
 from stair_inspector.stages.gaps import LONGEST_TREAD_M
 from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.nosings import flight_after, straight_climb
@@ -353,7 +353,7 @@ class _Measurer:
     def _overhang(self, k: int, depth: Measured | None, going: Measured | None) -> Measured | None:
         """Return how far the next nosing stands over this tread; its own nosing, in both terms, drops out.
 
-        The two edges lie at one place, so that registration adds nothing and what displaces one displaces the other.
+        The two edges lie at one place, where registration adds less than from step to step.
         """
         if depth is None or going is None:
             return None
@@ -362,7 +362,7 @@ class _Measurer:
         noise, edge = above.front.noise_at(self._lines[k + 1][1].w_m), self._doubt(above.front, above)
         if shape.back is not None:
             noise = math.hypot(noise, shape.back.noise_at(w))
-            edge = NEAR_EDGES * math.hypot(edge, self._doubt(shape.back, shape))
+            edge = math.hypot(edge, self._doubt(shape.back, shape))
         elif shape.back_limits is not None:
             edge = math.hypot(edge, (shape.back_limits[1] - shape.back_limits[0]) / 4.0)
         rise_m = above.plane.at(0.0, 0.0) - shape.plane.at(0.0, 0.0)
@@ -374,6 +374,7 @@ class _Measurer:
             noise=noise,
             edge=edge,
             up=self._context.up_rad * abs(rise_m),
+            registration=NEAR_REGISTRATION * self._context.registration_m,
         )
 
     def _width(self, k: int) -> Measured:

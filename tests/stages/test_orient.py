@@ -1,12 +1,17 @@
 """Normals, up and the order by height."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from stair_inspector.errors import CannotMeasure, ConfigError
 from stair_inspector.model import Normals, Up
 from stair_inspector.params import FloorParams, NormalsParams
+from stair_inspector.simulate.scanner import scan as scan_building
+from stair_inspector.simulate.staircase import build
 from stair_inspector.stages.orient import find_normals, find_up, order_by_height
+from tests.benchmarks.accuracy import CLASSES, EVEN
 from tests.synthetic import Stair, make_scan, motion, rotation
 
 ESTIMATED = NormalsParams(k=12)
@@ -210,3 +215,66 @@ def test_a_wall_larger_than_the_floor_is_not_the_floor(share):
     wall = np.column_stack([rng.uniform(-1.2, 2.0, n), np.full(n, 1.001), rng.uniform(0.0, 2.6, n)])
     up = up_of(np.concatenate([points, wall]), np.concatenate([normals, np.tile([0.0, 1.0, 0.0], (n, 1))]))
     assert degrees_between(up.vector, np.array([0.0, 0.0, 1.0])) < 0.5
+
+
+def with_a_wall(points, normals, length_m, height_m):
+    """A scan and beside it a wall as long and as high as a stairwell's."""
+    rng = np.random.default_rng(5)
+    n = int(length_m * height_m / 0.02**2)
+    wall = np.column_stack([rng.uniform(0.0, length_m, n), np.full(n, 1.001), rng.uniform(0.0, height_m, n)])
+    return np.concatenate([points, wall]), np.concatenate([normals, np.tile([0.0, 1.0, 0.0], (n, 1))])
+
+
+TURNS = {
+    "z up": np.eye(3),
+    # As photogrammetry and phones write it: the risers are square to the axis that most scans have as up.
+    "y up, climb along z": rotation("x", -90.0) @ rotation("z", 90.0),
+    "leaning": rotation("x", 50.0) @ rotation("z", 33.0),
+}
+
+
+@pytest.mark.parametrize("turn", TURNS.values(), ids=TURNS)
+@pytest.mark.parametrize("has_wall", [False, True], ids=["free", "wall"])
+@pytest.mark.parametrize("n_steps", [2, 3, 5, 12, 30, 60])
+def test_up_is_square_to_the_treads_of_two_to_sixty_risers(n_steps, has_wall, turn):
+    # Beside 15 m of floor a tread of sixty holds 0.9 % of what faces up, a riser 1.7 % of what faces forward.
+    stair = Stair(n_steps=n_steps, floor_depth=15.0, risers=True, spacing=0.025, noise=0.001, seed=6)
+    points, normals = stair.sample()
+    if has_wall:
+        points, normals = with_a_wall(points, normals, n_steps * stair.going, n_steps * stair.rise + 2.0)
+    up = up_of(points @ turn.T, normals @ turn.T)
+    assert degrees_between(up.vector, turn[:, 2]) < 0.1
+
+
+@pytest.mark.parametrize("turn", TURNS.values(), ids=TURNS)
+def test_a_long_stair_without_a_floor_is_told_by_the_way_its_levels_follow_each_other(turn):
+    # Twice as many points on the risers, so that nothing but the pitch speaks for the treads.
+    stair = Stair(n_steps=40, floor_depth=0.3, risers=True, spacing=0.025, noise=0.001, seed=6)
+    points, normals = stair.sample()
+    more, their_normals = replace(stair, seed=7).sample()
+    faces = np.abs(their_normals[:, 0]) > 0.9
+    points, normals = np.concatenate([points, more[faces]]), np.concatenate([normals, their_normals[faces]])
+    assert np.count_nonzero(np.abs(normals[:, 0]) > 0.9) > np.count_nonzero(normals[:, 2] > 0.9)
+    up = up_of(points @ turn.T, normals @ turn.T)
+    # One tread of 0.28 m, and the feet of two risers, is all that the plane is fitted to.
+    assert degrees_between(up.vector, turn[:, 2]) < 1.0
+
+
+LONG = {
+    "45 risers, L turn": ({"n_risers": 45, "landing_after": 22, "turn": "left"}, 7),
+    "50 risers, wall and ceiling": ({"n_risers": 50, "wall": "left", "ceiling": True, "floor_width_m": 2.6}, 8),
+    "60 risers": ({"n_risers": 60}, 8),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LONG)
+def test_up_of_a_long_stair_as_a_scanner_sees_it(name):
+    changes, stations = LONG[name]
+    scanner = replace(CLASSES["tls_fair"].scanner, stations=stations, spacing_m=0.01, seed=3)
+    points = scan_building(build(replace(EVEN, **changes)), scanner).points
+    normals = find_normals(make_scan(points), NormalsParams()).vectors
+    for turn in TURNS.values():
+        up = up_of(points @ turn.T, normals @ turn.T)
+        # Either side of a leaning scan may be taken as up where a ceiling is the largest level.
+        assert abs(up.vector @ turn[:, 2]) > np.cos(np.radians(0.1))
