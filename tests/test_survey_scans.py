@@ -683,8 +683,8 @@ def test_a_robots_map_of_entrance_stairs():
     inspection = capture("anymal_entrance_stairs.pcd")
     rises = [step.rise_m.value for step in inspection.steps if step.flight == 1]
     assert len(rises) >= 4
-    # The folder's reading of the first, 172 mm, is from the floor half a metre before the stair; the floor rises towards
-    # it, and at its foot lies 162 mm below the first tread (medians of the map's columns in the middle third).
+    # The folder's reading of the first, 172 mm, is from the floor half a metre before the stair; the floor rises
+    # towards it, and at its foot lies 162 mm below the first tread (medians of the map's columns in the middle third).
     assert rises[:3] == pytest.approx((0.162, 0.169, 0.164), abs=0.01)
 
 
