@@ -116,7 +116,7 @@ def measure_survey(
     steps: list[Step] = []
     flights: list[Flight] = []
     notes: list[Note] = list(chains.notes)
-    if chains.chains and doubts == UncertaintyParams():
+    if chains.chains and not (doubts.registration_m or doubts.edge_m or doubts.up_deg):
         message = (
             "u holds what the scan itself shows; what registration, levelling and the rounding of edges add is not "
             "stated: choose the scanner's preset, or set uncertainty.*"
@@ -269,7 +269,7 @@ class _Measurer:
         shape, line = self._shapes[k], self._lines[k][1]
         if k == 0:
             below = shape.foot
-            noise_below = math.hypot(0.0 if below is None else below.noise_at(line.s_m, line.w_m), 0.0)
+            noise_below = 0.0 if below is None else below.noise_at(line.s_m, line.w_m)
             if below is not None:
                 noise_below = math.hypot(noise_below, surface_doubt(below))
             edge_below, apart = 0.0, 0.0
@@ -366,11 +366,13 @@ class _Measurer:
         elif shape.back_limits is not None:
             edge = math.hypot(edge, (shape.back_limits[1] - shape.back_limits[0]) / 4.0)
         rise_m = above.plane.at(0.0, 0.0) - shape.plane.at(0.0, 0.0)
-        # Square to the nosing above, which on a winding flight is not the way that depth and going are measured.
-        is_last = k + 1 >= self._n_steps
-        turn = 1.0 if is_last else float(self._climbs[k] @ self._climbs[k + 1])
+        overhang_m = depth.value - going.value
+        if shape.back is not None and not self._is_straight:
+            # Depth and going are not measured the same way there, nor square to the riser.
+            s, w_above = shape.from_plan(self._lines[k + 1][1].plan)
+            overhang_m = (shape.back.at(w_above) - s) / math.hypot(1.0, shape.back.slope)
         return expanded(
-            turn * (depth.value - going.value),
+            overhang_m,
             noise=noise,
             edge=edge,
             up=self._context.up_rad * abs(rise_m),

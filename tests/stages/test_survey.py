@@ -26,7 +26,7 @@ from stair_inspector.stages.survey import find_climbs, measure_survey
 
 RISE, GOING, WIDTH, DEPTH = 0.17, 0.28, 1.0, 0.3
 ALONG_X = np.array([1.0, 0.0])
-STATED = UncertaintyParams(scale_percent=1e-6)
+STATED = UncertaintyParams(registration_m=1e-9)
 """Something is stated, so that no note asks for it, and too little to be seen."""
 PLANE = PlaneFit(np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.0, 4)
 
@@ -330,6 +330,10 @@ def test_a_mean_width_is_surer_about_noise_alone():
 
 def test_a_scan_of_which_nothing_is_stated_says_that_u_is_not_all():
     assert codes(survey_of(even(), doubts=UncertaintyParams())) == [("uncertainty_unstated", None)]
+    # What says nothing about registration, levelling or rounding leaves that to be stated.
+    assert codes(survey_of(even(), doubts=UncertaintyParams(side_m=0.05, slope_deg=5.0, scale_percent=1.0))) == [
+        ("uncertainty_unstated", None)
+    ]
     assert codes(survey_of(even(), doubts=UncertaintyParams(up_deg=0.01))) == []
 
 
