@@ -114,7 +114,7 @@ def test_the_default_preset_is_the_defaults():
         ("handheld", 0.00075, 0.00037, 0.0012, 0.1, 0.1, 0.0),
         ("robot_lidar", 0.0015, 0.0014, 0.0025, 0.4, 0.13, 0.0),
         ("depth_camera", 0.003, 0.002, 0.012, 0.25, 0.17, 0.0),
-        ("phone", 0.0042, 0.004, 0.016, 0.45, 0.1, 0.5),
+        ("phone", 0.004, 0.005, 0.016, 0.45, 0.06, 0.5),
     ],
 )
 def test_a_scanners_preset_states_what_its_class_leaves_uncertain(
