@@ -16,6 +16,7 @@ from stair_inspector.stages.gaps import (
     going_between,
     is_base,
     missing_foot,
+    run_below,
     tall_foot,
 )
 from stair_inspector.stages.links import BASE_RATIO, LEAST_CONTACT_M, Link, angle_deg, depth_along, find_links
@@ -28,7 +29,7 @@ _SHORT_UNEVEN = 1.35
 _TALLEST_FOOT = 1.75
 """The same for the first riser of a long flight: above, a tread may be missing."""
 _SHORTEST_GOING_M = 0.1
-_LANDING_RATIO = 1.8
+LANDING_RATIO = 1.8
 """A step that is this much deeper than the others of its flight is a landing too."""
 _LEAST_OVERLAP = 0.5
 """Share of the shorter edge along which two edges of one step must face each other."""
@@ -37,6 +38,8 @@ _LEAST_SEEN = 0.25
 _SURE_RISERS = 3
 """So many even risers in a row are a flight by themselves."""
 _ALTERNATIVE_RISE = 0.25
+_LAST_RISE = 0.1
+"""How far the rise onto a landing that is touched along a short edge only may be from the flight's, as a share."""
 _JOINED_WIDTH = 0.6
 _SHORT_WIDTH_M = 0.45
 
@@ -77,6 +80,7 @@ def find_chains(patches: Patches, params: FlightsParams, least_area_m2: float, f
     runs = _with_weak_links(
         _with_uneven_ends(surfaces, runs), [link for link in every if link.length_m < LEAST_CONTACT_M], params
     )
+    runs = _with_short_last_edges(surfaces, runs, every, params)
     runs = close_gaps(surfaces, runs, is_allowed)
     runs = _with_missing_feet(surfaces, _with_feet(surfaces, runs, links), is_allowed)
     pieces = [piece for run in runs for piece in _cut_at_landings(run, forced)]
@@ -88,7 +92,7 @@ def find_chains(patches: Patches, params: FlightsParams, least_area_m2: float, f
     steps = {link.upper for piece in kept for link in piece}
     has_base = [run[0].lower in steps or is_base(surfaces, run) for run in kept]
     for run, is_based in zip(kept, has_base, strict=True):
-        notes += [] if is_based else _note_foot(surfaces, run, is_allowed)
+        notes += [] if is_based else _note_foot(surfaces, run, kept, is_allowed)
     chains = tuple(_chain(run, is_based) for run, is_based in zip(kept, has_base, strict=True))
     return Chains(chains, tuple(notes), longest)
 
@@ -206,10 +210,14 @@ def _with_uneven_ends(surfaces: Sequence[Surface], runs: list[list[Link]]) -> li
     shadow may leave the left end, of the next the right one.
     """
     runs = sorted(runs, key=lambda run: (surfaces[run[0].lower].height_m, run[0].lower))
-    for low, high in itertools.permutations(list(runs), 2):
-        if low in runs and high in runs and low[-1].upper == high[0].lower and _goes_on(surfaces, low, high):
-            runs = [[*low, *high] if run is low else run for run in runs if run is not high]
-    return runs
+    while True:
+        # What was joined may go on in its turn: a riser amid a flight that is far too tall is a run by itself at first.
+        pairs = itertools.permutations(runs, 2)
+        found = next((pair for pair in pairs if _goes_on(surfaces, *pair)), None)
+        if found is None:
+            return runs
+        low, high = found
+        runs = [[*low, *high] if run is low else run for run in runs if run is not high]
 
 
 def _with_weak_links(runs: list[list[Link]], weak: Sequence[Link], params: FlightsParams) -> list[list[Link]]:
@@ -232,15 +240,45 @@ def _with_weak_links(runs: list[list[Link]], weak: Sequence[Link], params: Fligh
     return runs
 
 
+def _with_short_last_edges(
+    surfaces: Sequence[Surface], runs: list[list[Link]], every: Sequence[Link], params: FlightsParams
+) -> list[list[Link]]:
+    """Let a run that is long enough for a flight end on the landing that touches its last step along a short edge.
+
+    Of the last wedge of a spiral a handrail or the landing itself may hide most of its back.
+    """
+    steps = {link.upper for run in runs for link in run} | {run[0].lower for run in runs}
+    result = []
+    for run in runs:
+        rise_m = float(np.median([link.rise_m for link in run]))
+        usual_m2 = float(np.median([surfaces[link.upper].area_m2 for link in run]))
+        last = run[-1]
+        found = [
+            link
+            for link in every
+            if link.lower == last.upper
+            and link.upper not in steps
+            and link.length_m < LEAST_CONTACT_M
+            and abs(link.rise_m - rise_m) <= _LAST_RISE * rise_m
+            and surfaces[link.lower].area_m2 <= BASE_RATIO * usual_m2 < surfaces[link.upper].area_m2
+            and _consistency(last, link, params) > 0.0
+        ]
+        result.append([*run, found[0]] if len(run) >= _SURE_RISERS and len(found) == 1 else run)
+        steps |= {link.upper for link in result[-1]}
+    return result
+
+
 def _goes_on(surfaces: Sequence[Surface], low: list[Link], high: list[Link]) -> bool:
     """Return whether two runs meet at a tread, and neither turn nor step aside there."""
     first, second = low[-1], high[0]
-    if max(len(low), len(high)) < _SURE_RISERS or first.climb is None or second.climb is None:
+    if first.upper != second.lower or first.climb is None or second.climb is None:
+        return False
+    if max(len(low), len(high)) < _SURE_RISERS:
         return False
     longer = high if len(high) > len(low) else low
     going_m = float(np.median([going_between(a, b) for a, b in itertools.pairwise(longer)]))
     depth_m = going_between(first, second)
-    is_tread = _SHORTEST_GOING_M <= depth_m <= min(LONGEST_TREAD_M, _LANDING_RATIO * going_m)
+    is_tread = _SHORTEST_GOING_M <= depth_m <= min(LONGEST_TREAD_M, LANDING_RATIO * going_m)
     is_tread = is_tread and depth_along(surfaces[second.lower], second.climb) <= LONGEST_TREAD_M
     return is_tread and angle_deg(first.climb, second.climb) <= STRAIGHT_DEG and _overlap(first, second, _LEAST_SEEN)
 
@@ -266,9 +304,11 @@ def _cut_at_landings(run: list[Link], forced: Forced) -> list[list[Link]]:
     usual_m = float(np.median(depths))
     pieces = [[run[0]]]
     for link, previous, depth_m in zip(run[1:], run[:-1], depths, strict=True):
-        is_deep = depth_m > LONGEST_TREAD_M or depth_m > _LANDING_RATIO * usual_m
+        is_deep = depth_m > LONGEST_TREAD_M or depth_m > LANDING_RATIO * usual_m
         # Where a tread is missing, the step below it only looks deep.
         is_deep = is_deep and not link.n_missing and not previous.n_missing
+        # The way to a short edge, which may lie far on one side, is no depth either.
+        is_deep = is_deep and link.length_m >= LEAST_CONTACT_M
         kind = forced.kinds.get(link.lower)
         if kind == "landing" or (is_deep and kind != "tread"):
             pieces.append([])
@@ -342,15 +382,29 @@ def _note_alternatives(surfaces: Sequence[Surface], run: list[Link], links: Sequ
     return notes
 
 
-def _note_foot(surfaces: Sequence[Surface], run: Sequence[Link], is_allowed: Sequence[bool]) -> list[Note]:
-    """Note where a floor lies so far below the lowest step that the first riser is none of the flight's."""
+def _note_foot(
+    surfaces: Sequence[Surface], run: list[Link], kept: list[list[Link]], is_allowed: Sequence[bool]
+) -> list[Note]:
+    """Note what lies below a flight that begins in the air: another flight, or a floor far below its lowest step."""
+    below = run_below(surfaces, run, kept)
+    if below is not None:
+        # Flights are counted from 1 in the order of the chains.
+        other, n_missing = below[0] + 1, below[1]
+        own = kept.index(run) + 1
+        text = "a tread is" if n_missing == 1 else f"{n_missing} treads are"
+        message = (
+            f"{text} missing or not seen between flight {other} and flight {own}, which may be one flight: no rise is "
+            f"given for the lowest step of flight {own}, and no going for the highest of flight {other}"
+        )
+        return [Note("treads_missing", "flights", message)]
     tall = tall_foot(surfaces, run, is_allowed)
     if tall is None:
         return []
     rise_m, usual_m, may_be_missing = tall
     what = "the first riser is that tall"
     if may_be_missing:
-        what = f"a tread is missing there or {what}, the scan does not show which"
+        are_missing = "a tread is missing" if round(rise_m / usual_m) == 2 else "treads are missing or not seen"
+        what = f"{are_missing} there or {what}, the scan does not show which"
     message = (
         f"the floor at the foot of the flight whose lowest step is at {surfaces[run[0].lower].height_m:.3f} m lies "
         f"{rise_m * 1000.0:.0f} mm below that step, {rise_m / usual_m:.1f} usual rises: {what}; no rise is given for it"

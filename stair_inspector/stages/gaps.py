@@ -150,15 +150,45 @@ def tall_foot(
 ) -> tuple[float, float, bool] | None:
     """Return how far below the lowest tread of a run a floor lies that reaches it, the usual rise, and what that means.
 
-    The last is whether a tread may be missing: the floor goes on below the tread, whole rises lower. None where no
-    floor reaches the tread, or the first riser is about as tall as the others.
+    The last is whether treads may be missing: the floor goes on below the tread, whole rises lower, or lies more than
+    two rises lower, as no first riser does. None where no floor reaches the tread, or the first riser is about as tall
+    as the others.
     """
     found = []
     for _, pace, front_m, end_m, rise_m in _floors_before(surfaces, run, is_allowed):
         if front_m - end_m < (1.0 - _SHORT_OF) * pace.going_m and rise_m > _TALL * pace.rise_m:
             goes_under = end_m > front_m + _UNDER_M
-            found.append((rise_m, pace.rise_m, goes_under and _whole(rise_m, pace) >= 2))
+            is_far = rise_m > (2.0 + _RISE_TOLERANCE) * pace.rise_m
+            found.append((rise_m, pace.rise_m, is_far or (goes_under and _whole(rise_m, pace) >= 2)))
     return min(found, default=None)
+
+
+def run_below(
+    surfaces: Sequence[Surface], run: Sequence[Link], others: Sequence[Sequence[Link]]
+) -> tuple[int, int] | None:
+    """Return which other run ends below the lowest tread of a run as if it went on there, and how many treads between.
+
+    It climbs the same way and ends whole rises lower and as many goings before. None where no run does.
+    """
+    pace = _pace(surfaces, run[:_NEAREST_LINKS], False)
+    lowest = surfaces[run[0].lower]
+    front_m = None if pace is None else pace.front_of(lowest)
+    if pace is None or front_m is None:
+        return None
+    found = []
+    for k, other in enumerate(others):
+        top, climb = surfaces[other[-1].upper], other[-1].climb
+        start_m = pace.front_of(top)
+        if start_m is None or climb is None or angle_deg(climb, pace.climb) > STRAIGHT_DEG:
+            continue
+        n_rises = (height_at(lowest, pace.place(front_m)) - height_at(top, pace.place(start_m))) / pace.rise_m
+        off = (front_m - start_m) / pace.going_m - round(n_rises)
+        if round(n_rises) >= 2 and abs(n_rises - round(n_rises)) <= _RISE_TOLERANCE and abs(off) <= _GOING_TOLERANCE:
+            found.append((round(n_rises) - 1, k))
+    if not found:
+        return None
+    n_missing, nearest = min(found)
+    return nearest, n_missing
 
 
 def _floors_before(

@@ -135,7 +135,8 @@ def _link(
     else:
         to_below = _where_ahead(to_below, above.cells_m - below.cells_m[:, near_below], given)
         to_above = _where_ahead(to_above, above.cells_m[:, near_above] - below.cells_m, given)
-        if min(float(to_below.min()), float(to_above.min())) > reach:
+        # One side alone may face the other: then there is no edge between the two.
+        if max(float(to_below.min()), float(to_above.min())) > reach:
             return None
         along, middle, length_m = _edge_between(below, above, to_below, to_above, reach, cell_m)
     # Large surfaces may lean: their mean heights are no measure of the riser between them.
@@ -166,7 +167,7 @@ def _edge_between(
     Where they touch is the edge. A shadow with a ragged rim touches the other side at one place only: then the band of
     cells that count as facing is widened until the edge runs along most of the narrower surface, if it ever does.
     """
-    nearest = band = float(min(to_below.min(), to_above.min())) + _BAND_CELLS * cell_m
+    nearest = band = float(max(to_below.min(), to_above.min())) + _BAND_CELLS * cell_m
     first = None
     while first is None or band <= max(reach, nearest):
         along, middle, length_m = _common_edge(above.cells_m[:, to_below <= band], below.cells_m[:, to_above <= band])

@@ -9,18 +9,21 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Note, Scan, Step, Up
 from stair_inspector.params import parse_region
 
-_AT_FACE_M = 0.02
-"""What lies as near to a face of the region may have been cut off there."""
+_AT_FACE_M, _AT_FACE_SPACINGS = 0.02, 3.0
+"""What lies as near to a face of the region may have been cut off there; of sparse points more spacings are needed."""
 _BEYOND_M = 0.05
 _SAME_HEIGHT_M = 0.03
-_LEAST_CUT_M = 0.1
+_LEAST_CUT_M, _LEAST_CUT_SHARE, _BEHIND_M = 0.1, 0.5, 0.2
+"""A face cuts along an edge so long, or along so much of what is seen of the step as far behind the face."""
 _FEWEST_POINTS = 5
 _GOES_ON_SHARE = 0.3
 """A surface goes on beyond a face where it has at least this share of the points that it has on the near side."""
 _UPRIGHT = math.cos(math.radians(45.0))
 
 
-def note_region_cuts(scan: Scan, up: Up, region: str, steps: Sequence[Step], points: Sequence[Floats]) -> list[Note]:
+def note_region_cuts(
+    scan: Scan, up: Up, region: str, steps: Sequence[Step], points: Sequence[Floats], spacings_m: Sequence[float]
+) -> list[Note]:
     """Note every step that a face of the region of interest cuts through.
 
     Parameters
@@ -35,6 +38,8 @@ def note_region_cuts(scan: Scan, up: Up, region: str, steps: Sequence[Step], poi
         As they were measured within the region.
     points : sequence of (n, 3)
         The points of each step's surface, local coordinates.
+    spacings_m : sequence of float
+        Mean distance of the points of each step's surface.
 
     Returns
     -------
@@ -47,7 +52,7 @@ def note_region_cuts(scan: Scan, up: Up, region: str, steps: Sequence[Step], poi
         return []
     bounds = np.array(box) - scan.origin_m
     notes = []
-    for step, own in zip(steps, points, strict=True):
+    for step, own, spacing_m in zip(steps, points, spacings_m, strict=True):
         if step.climb is None:
             continue
         left = np.cross(up.vector, step.climb)
@@ -55,7 +60,7 @@ def note_region_cuts(scan: Scan, up: Up, region: str, steps: Sequence[Step], poi
             _side_of(axis, sign, step.climb, left)
             for axis in range(3)
             for bound, sign in zip(bounds[:, axis], (-1.0, 1.0), strict=True)
-            if abs(up.vector[axis]) < _UPRIGHT and _is_cut(scan, up, own, axis, float(bound), sign)
+            if abs(up.vector[axis]) < _UPRIGHT and _is_cut(scan, up, own, spacing_m, axis, float(bound), sign)
         }
         for names, what in ((("left", "right"), "width"), (("front", "back"), "depth")):
             sides = [name for name in names if name in cut]
@@ -76,9 +81,10 @@ def _side_of(axis: int, sign: float, climb: Floats, left: Floats) -> str:
     return "left" if aside > 0.0 else "right"
 
 
-def _is_cut(scan: Scan, up: Up, own: Floats, axis: int, bound: float, sign: float) -> bool:
+def _is_cut(scan: Scan, up: Up, own: Floats, spacing_m: float, axis: int, bound: float, sign: float) -> bool:
     """Return whether a surface reaches a face of the region along an edge, and the scan goes on behind it."""
-    at_face = own[np.abs(own[:, axis] - bound) <= _AT_FACE_M]
+    near_m = max(_AT_FACE_M, _AT_FACE_SPACINGS * spacing_m)
+    at_face = own[np.abs(own[:, axis] - bound) <= near_m]
     if len(at_face) < _FEWEST_POINTS:
         return False
     face = np.zeros(3)
@@ -86,10 +92,13 @@ def _is_cut(scan: Scan, up: Up, own: Floats, axis: int, bound: float, sign: floa
     along = np.cross(up.vector, face)
     along /= np.linalg.norm(along)
     low, high = np.percentile(at_face @ along, [1.0, 99.0])
-    if high - low < _LEAST_CUT_M:
+    # Of a step seen in part only a strip reaches the face; what touches it with a corner widens behind.
+    behind = own[np.abs(own[:, axis] - bound) <= _BEHIND_M] @ along
+    seen_m = float(np.ptp(np.percentile(behind, [1.0, 99.0])))
+    if high - low < min(_LEAST_CUT_M, _LEAST_CUT_SHARE * seen_m):
         return False
     beyond = sign * (scan.points[:, axis] - bound)
-    candidates = scan.points[(beyond > 0.0) & (beyond <= _BEYOND_M)]
+    candidates = scan.points[(beyond > 0.0) & (beyond <= max(_BEYOND_M, near_m))]
     height_m = float(np.median(at_face @ up.vector))
     place = candidates @ along
     is_near = (np.abs(candidates @ up.vector - height_m) <= _SAME_HEIGHT_M) & (place >= low) & (place <= high)

@@ -24,6 +24,8 @@ _SLAB_THICKNESS_M = (0.012, 0.12)
 _UNDER_SHARE = 0.5
 _LEAST_LEVEL = 0.2
 """A direction that is steeper than 78 degrees says nothing about the plan."""
+_RISER_M, _BESIDE_M = (0.06, 0.3), 0.15
+"""Heights of a riser, and how near in plan the step below it lies: as far as the flights' own limits reach."""
 _FURNITURE_M = (0.2, 1.3)
 
 
@@ -140,15 +142,12 @@ def explain_rejects(
     undersides = find_undersides(patches)
     steps = [k for chain in chains.chains for k in chain.steps]
     bases = sorted({chain.base for chain in chains.chains if chain.base is not None})
+    tops = [surfaces[chain.steps[-1]] for chain in chains.chains]
     reasons = {}
     for number in range(len(surfaces)):
         if number in taken:
             continue
-        gaps = [
-            surfaces[number].height_m - surfaces[other].height_m
-            for other in {*steps, *bases}
-            if np.isin(keys[number], keys[other]).mean() >= _OVER_SHARE
-        ]
+        over = [k for k in {*steps, *bases} if np.isin(keys[number], keys[k]).mean() >= _OVER_SHARE]
         if number in undersides and forced.kinds.get(number) != "rejected":
             reasons[number] = "lies closely under another surface: the underside of a tread or slab"
             continue
@@ -157,7 +156,8 @@ def explain_rejects(
             forced.kinds.get(number) == "rejected",
             [surfaces[k] for k in steps],
             [surfaces[k] for k in bases],
-            gaps,
+            tops,
+            [surfaces[k] for k in over],
             least_area_m2,
         )
     return reasons
@@ -168,23 +168,33 @@ def _why(
     is_forced: bool,
     steps: Sequence[Surface],
     bases: Sequence[Surface],
-    gaps: Sequence[float],
+    tops: Sequence[Surface],
+    over: Sequence[Surface],
     least_area_m2: float,
 ) -> str:
-    """Return why a surface is rejected; ``gaps`` are its heights above the steps and floors under or over it."""
+    """Return why a surface is rejected; ``over`` are the steps and floors under or over it, ``tops`` the last steps."""
     own = _why_by_itself(surface, is_forced, least_area_m2)
     if own is not None:
         return own
     if not steps:
         return "no second and third surface a riser apart follow it in plan, as the steps of a flight would"
+    gaps = [surface.height_m - other.height_m for other in over]
     if any(-_SLAB_M <= gap < -_SAME_HEIGHT_M for gap in gaps):
         depth_m = max(gap for gap in gaps if gap < -_SAME_HEIGHT_M)
         return f"lies {-depth_m * 1000.0:.0f} mm under a step: the underside of a slab, or what stands below the stairs"
+    rise_m = _rise_from_beside(surface, tops)
+    if rise_m is not None:
+        return (
+            f"lies {rise_m * 1000.0:.0f} mm above the last step of a flight and beside it, but no edge was seen along "
+            "which the flight goes on: a landing seen in part, or furniture"
+        )
     standing = min((gap for gap in gaps if gap > 0.0), default=None)
     over_top_m = surface.height_m - max(other.height_m for other in steps)
     if (standing is not None and standing >= _HEADROOM_M) or over_top_m >= _HEADROOM_M:
         over_m = over_top_m if standing is None else standing
-        return f"{over_m:.2f} m above the steps: a ceiling or the storey above"
+        is_over_step = any(surface.height_m - step.height_m == over_m for step in steps)
+        below = "steps" if is_over_step else "floor"
+        return f"{over_m:.2f} m above the {below}: a ceiling or the storey above"
     if any(abs(surface.height_m - other.height_m) <= _SAME_HEIGHT_M for other in bases):
         return "at the height of the floor at which the stairs begin, but apart from it: floor elsewhere, as next door"
     if standing is not None and _FURNITURE_M[0] <= standing <= _FURNITURE_M[1]:
@@ -192,6 +202,19 @@ def _why(
     if any(abs(surface.height_m - step.height_m) <= _SAME_HEIGHT_M for step in steps):
         return "at the height of a step but apart from it: furniture or another room"
     return "no step of the stairs is a riser above or below it and beside it in plan"
+
+
+def _rise_from_beside(surface: Surface, tops: Sequence[Surface]) -> float | None:
+    """Return how far a surface lies above a flight's last step that ends a riser below it and beside it, metres."""
+    low, high = surface.cells_m.min(axis=1) - _BESIDE_M, surface.cells_m.max(axis=1) + _BESIDE_M
+    for top in tops:
+        rise_m = surface.height_m - top.height_m
+        if not _RISER_M[0] <= rise_m <= _RISER_M[1]:
+            continue
+        near = top.cells_m[:, ((top.cells_m >= low[:, None]) & (top.cells_m <= high[:, None])).all(axis=0)]
+        if any(float(np.hypot(*(surface.cells_m - place[:, None])).min()) <= _BESIDE_M for place in near.T):
+            return rise_m
+    return None
 
 
 def _why_by_itself(surface: Surface, is_forced: bool, least_area_m2: float) -> str | None:

@@ -27,6 +27,7 @@ from stair_inspector.model import (
 )
 from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
 from stair_inspector.stages.doubt import NEAR_REGISTRATION, edge_doubt, expanded, slope_doubt, surface_doubt
+from stair_inspector.stages.flights import LANDING_RATIO
 from stair_inspector.stages.gaps import LONGEST_TREAD_M
 from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.nosings import flight_after, straight_climb
@@ -34,7 +35,6 @@ from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.treads import nearest_rows
 
 _SPIRAL_DEG = 120.0
-_LANDING_RATIO = 1.8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -478,12 +478,12 @@ def _kinds_of(
 ) -> list[Literal["tread", "landing"]]:
     """Tell landings from treads: by depth, by another flight that begins there, or because the user says so."""
     goings = [step.going_m.value for step in steps if step.going_m is not None]
-    usual_m = float(np.median(goings)) if goings else LONGEST_TREAD_M / _LANDING_RATIO
+    usual_m = float(np.median(goings)) if goings else LONGEST_TREAD_M / LANDING_RATIO
     kinds: list[Literal["tread", "landing"]] = []
     for k, (number, shape) in enumerate(zip(chain.steps, shapes, strict=True)):
         depth_m = shape.extent[1] - shape.front.middle_m
         # Only where a flight ends can a landing be: within it, a tread is missing above a step that looks deep.
-        is_deep = depth_m > min(LONGEST_TREAD_M, _LANDING_RATIO * usual_m) and k == len(shapes) - 1
+        is_deep = depth_m > min(LONGEST_TREAD_M, LANDING_RATIO * usual_m) and k == len(shapes) - 1
         decided = forced.kinds.get(number)
         is_landing = decided == "landing" or (decided != "tread" and (is_deep or number in bases))
         kinds.append("landing" if is_landing else "tread")

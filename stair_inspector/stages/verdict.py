@@ -27,6 +27,7 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import Params
+from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.paper import measure_h, review_steps
 from stair_inspector.stages.region import note_region_cuts
 from stair_inspector.stages.rejects import Forced, explain_rejects, lean_deg
@@ -136,7 +137,7 @@ def conclude_survey(
             *_region_cuts(paper, scan, horizontal, patches, survey),
         ]
     else:
-        reason = _why_no_flight(patches, chains, len(paper.levels))
+        reason = _why_no_flight(patches, chains, forced, paper.params, len(paper.levels))
         notes.append(Note("no_staircase", "verdict", f"no staircase found: {reason}"))
     lowest = min((patch for patch in named if patch.kind == "floor"), key=lambda patch: patch.height_m, default=None)
     return dataclasses.replace(
@@ -265,15 +266,17 @@ def _region_cuts(paper: Inspection, scan: Scan, horizontal: Horizontal, patches:
     region = paper.params.overrules.region
     if not region:
         return []
-    points = [scan.points[horizontal.point_ids[patches.surfaces[number].rows]] for number in survey.surfaces]
-    return note_region_cuts(scan, paper.up, region, survey.steps, points)
+    own = [patches.surfaces[number] for number in survey.surfaces]
+    points = [scan.points[horizontal.point_ids[surface.rows]] for surface in own]
+    spacings_m = [math.sqrt(surface.area_m2 / len(surface.rows)) for surface in own]
+    return note_region_cuts(scan, paper.up, region, survey.steps, points, spacings_m)
 
 
 def _angle_deg(a: Floats, b: Floats) -> float:
     return math.degrees(math.acos(min(1.0, abs(float(a @ b)))))
 
 
-def _why_no_flight(patches: Patches, chains: Chains, n_levels: int) -> str:
+def _why_no_flight(patches: Patches, chains: Chains, forced: Forced, params: Params, n_levels: int) -> str:
     """Return why no surfaces follow each other as steps."""
     surfaces = patches.surfaces
     advice = "check the up direction, then theta_th, eps_z and m"
@@ -282,7 +285,10 @@ def _why_no_flight(patches: Patches, chains: Chains, n_levels: int) -> str:
     largest = max(surfaces, key=lambda surface: surface.area_m2)
     lean = lean_deg(largest)
     what = f"{len(surfaces)} horizontal surface{'' if len(surfaces) == 1 else 's'}"
-    if chains.longest_risers == 1:
+    left_out = _left_out_by_climb(patches, chains, forced, params)
+    if left_out:
+        found, advice = left_out, "correct overrules.climb, or set it to auto"
+    elif chains.longest_risers == 1:
         found = "only single risers, as of a kerb or a platform, where a flight has two and more in a row"
     elif chains.longest_risers:
         found = f"at most {chains.longest_risers} risers in a row, too uneven or too few for a flight"
@@ -292,6 +298,17 @@ def _why_no_flight(patches: Patches, chains: Chains, n_levels: int) -> str:
     if _RAMP_DEG[0] <= lean <= _RAMP_DEG[1]:
         ramp = f"; the largest, of {largest.area_m2:.1f} m², leans by {lean:.1f}° as a ramp does"
     return f"{what}, but {found}{ramp}; {advice}"
+
+
+def _left_out_by_climb(patches: Patches, chains: Chains, forced: Forced, params: Params) -> str:
+    """Return what overrules.climb leaves out that would be more of a flight; empty if nothing, or if it is not set."""
+    if forced.climb is None:
+        return ""
+    free = find_chains(patches, params.flights, params.patches.min_area_m2, Forced(forced.kinds))
+    if free.longest_risers <= chains.longest_risers:
+        return ""
+    risers = f"{free.longest_risers} riser{'' if free.longest_risers == 1 else 's'} in a row"
+    return f"overrules.climb ({params.overrules.climb}) leaves out {risers}, which climb another way"
 
 
 def why_no_staircase(surfaces: Surfaces, levels: tuple[Level, ...], up: Up) -> str | None:

@@ -166,6 +166,13 @@ def test_missing_treads_are_counted_and_not_bridged(gone, n_missing):
     assert found.longest_risers == n
 
 
+@pytest.mark.parametrize("tall", [0.29, 0.095])
+def test_one_riser_amid_a_flight_that_is_far_too_tall_or_short_does_not_part_it(tall):
+    surfaces = [floor(), *flight(4), *flight(6, x=4 * GOING, z=3 * RISE + tall)]
+    (chain,) = chains_of(surfaces).chains
+    assert (chain.base, chain.steps) == (0, tuple(range(1, 11)))
+
+
 def test_a_low_rise_is_not_doubled_over_a_missing_tread():
     # 2 * 120 mm is still less than the largest rise, and the gap in plan is wider than the largest gap.
     surfaces = [floor(), *(tread for k, tread in enumerate(flight(8, rise=0.12), start=1) if k != 4)]
@@ -270,6 +277,25 @@ def test_a_spiral_is_one_flight_that_turns():
     assert (chain.base, chain.steps) == (0, tuple(range(1, 13)))
     turns = [angle_deg(a, b) for a, b in itertools.pairwise(chain.climbs[1:])]
     np.testing.assert_allclose(turns, 360.0 / 16.0, atol=6.0)
+
+
+def touching_landing(y=(0.0, 0.16), rise=RISE):
+    """A landing that touches the last of five treads along a short edge; the rest of that tread's back was not seen."""
+    treads = flight(5)
+    x, across = treads[-1].cells_m
+    treads[-1] = surface_of(treads[-1].cells_m[:, (across < y[1]) | (x < 4.3 * GOING)], 5 * RISE)
+    hidden = rectangle((5 * GOING, 5 * GOING + 1.5), (y[1] - 1.2, y[1]), 5 * RISE + rise)
+    return [floor(), *treads, hidden]
+
+
+def test_a_flight_ends_on_the_landing_that_it_touches_along_a_short_edge():
+    surfaces = touching_landing()
+    assert flights_of(surfaces) == [(0, (1, 2, 3, 4, 5, 6))]
+
+
+@pytest.mark.parametrize("rise", [0.8 * RISE, 1.2 * RISE])
+def test_what_a_flight_touches_along_a_short_edge_at_another_rise_is_no_part_of_it(rise):
+    assert flights_of(touching_landing(rise=rise)) == [(0, (1, 2, 3, 4, 5))]
 
 
 # what is no staircase

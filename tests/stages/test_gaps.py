@@ -137,6 +137,35 @@ def test_a_lowest_tread_seen_whole_over_treads_in_shadow_is_no_floor():
     assert (chain.base, chain.steps) == (None, tuple(range(8)))
 
 
+def in_two(n_gone, **where):
+    """A floor, two treads, a gap and four more treads, which may begin elsewhere than where the flight goes on."""
+    where = {"x": (2 + n_gone) * GOING, "z": (2 + n_gone) * RISE} | where
+    return [floor(), *flight(2), *flight(4, **where)]
+
+
+@pytest.mark.parametrize("n_gone", [4, 5])
+def test_more_treads_than_are_bridged_are_missing_between_two_flights(n_gone):
+    surfaces = in_two(n_gone)
+    assert flights_of(surfaces) == [(0, (1, 2), (0, 0)), (None, (3, 4, 5, 6), (0, 0, 0, 0))]
+    (note,) = chains_of(surfaces).notes
+    assert note.code == "treads_missing"
+    assert note.message.startswith(f"{n_gone} treads are missing or not seen between flight 1 and flight 2, which may")
+
+
+@pytest.mark.parametrize("where", [{"x": 9 * GOING}, {"y": (1.5, 2.5)}, {"z": 6.5 * RISE}])
+def test_flights_that_do_not_go_on_in_each_other_have_nothing_missing_between_them(where):
+    assert codes(in_two(4, **where)) == []
+
+
+@pytest.mark.parametrize(("n_rises", "text"), [(3, "3.0"), (7, "7.0"), (2.6, "2.6")])
+def test_no_first_riser_is_said_to_be_more_than_two_rises_tall(n_rises, text):
+    # The floor goes on below the treads that are left.
+    surfaces = [floor((-0.8, 3.0), z=(1.0 - n_rises) * RISE), *flight(7)]
+    (note,) = chains_of(surfaces).notes
+    assert note.code == "foot_unclear"
+    assert f"{text} usual rises: treads are missing or not seen there or the first riser is that tall" in note.message
+
+
 def test_a_landing_that_lies_beside_is_not_the_end_of_a_flight():
     surfaces = [floor(), *flight(6), rectangle(LANDING, (1.2, 3.0), 8 * RISE)]
     assert flights_of(surfaces) == [(0, (1, 2, 3, 4, 5, 6), (0,) * 6)]

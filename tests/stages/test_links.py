@@ -76,3 +76,23 @@ def test_a_direction_that_fits_changes_no_edge():
 def test_a_short_edge_makes_a_link_that_is_known_as_short():
     (link,) = links_of([rectangle((0.0, GOING), (0.0, WIDTH), 0.0), rectangle((GOING, 2 * GOING), (0.84, 1.9), RISE)])
     assert 0.1 <= link.length_m < 0.2
+
+
+@pytest.mark.parametrize("way", [NORTH, -NORTH])
+def test_a_climb_square_to_a_flight_finds_nothing_in_it(way):
+    # Each tread is wider than the one below: its ends lie ahead of that one, but of no cell there is the nearest ahead.
+    treads = [
+        rectangle((k * GOING, (k + 1) * GOING), (-0.08 * k, WIDTH + 0.08 * k), (k + 1) * RISE, k) for k in range(6)
+    ]
+    for surfaces in ([floor(), *flight(6)], [floor(), *treads]):
+        assert find_chains(patches_of(surfaces), FlightsParams(), 0.03, Forced({}, way)).chains == ()
+
+
+@pytest.mark.parametrize("way", [EAST, -EAST, NORTH, -NORTH])
+def test_of_a_stair_that_comes_back_the_flight_along_the_climb_is_found(way):
+    landing = rectangle((5 * GOING, 5 * GOING + 1.0), (0.0, 2.1), 6 * RISE)
+    upper = moved(flight(5), 180.0, (5 * GOING, 2.1, 6 * RISE))
+    surfaces = [floor(), *flight(5), landing, *upper]
+    chains = find_chains(patches_of(surfaces), FlightsParams(), 0.03, Forced({}, way)).chains
+    expected = [(1, 2, 3, 4, 5, 6)] if way is EAST else [(7, 8, 9, 10, 11)] if np.array_equal(way, -EAST) else []
+    assert [chain.steps for chain in chains] == expected

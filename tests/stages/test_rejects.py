@@ -94,8 +94,20 @@ def test_what_lies_under_a_step_is_a_slab_or_stands_below():
 def test_a_surface_far_above_the_stairs_is_a_ceiling():
     over = rectangle((0.0, 5 * GOING), (0.0, WIDTH), 3.0)
     assert reason(over) == "2.15 m above the steps: a ceiling or the storey above"
+    # Over the floor alone, it is the height above the floor that was measured.
+    assert reason(rectangle((-0.8, 0.0), (0.0, WIDTH), 3.0)) == "3.00 m above the floor: a ceiling or the storey above"
     beside = rectangle((0.0, 2.0), BESIDE, 3.0)
     assert reason(beside) == "2.15 m above the steps: a ceiling or the storey above"
+
+
+def test_a_surface_a_riser_above_the_last_step_is_no_ceiling_however_high_above_the_floor():
+    stair = [floor((-0.8, 6.0), (-2.0, 2.0)), *flight(11)]
+    # It touches the last step with a corner only.
+    found = reason(rectangle((11 * GOING, 11 * GOING + 1.5), (1.04, 1.9), 12 * RISE), stair)
+    assert found == (
+        "lies 170 mm above the last step of a flight and beside it, but no edge was seen along which the flight goes "
+        "on: a landing seen in part, or furniture"
+    )
 
 
 def test_a_floor_apart_at_the_height_of_the_first_is_floor_elsewhere():

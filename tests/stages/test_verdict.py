@@ -7,6 +7,7 @@ import pytest
 
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import Level, Surfaces, Up
+from stair_inspector.params import OverrulesParams
 from stair_inspector.pipeline import inspect
 from stair_inspector.stages.verdict import why_no_staircase
 from tests.synthetic import Stair, exact_params, make_scan
@@ -124,7 +125,7 @@ def test_a_ceiling_a_table_and_the_floor_next_door_are_rejected_each_with_its_re
     assert [step.step_id for step in inspection.steps] == [1, 2, 3, 4]
     reasons = sorted(patch.reason for patch in inspection.patches if patch.kind == "rejected")
     assert len(reasons) == 3
-    assert reasons[0].endswith("above the steps: a ceiling or the storey above")
+    assert reasons[0].endswith("above the floor: a ceiling or the storey above")
     assert reasons[1].startswith("at the height of the floor at which the stairs begin, but apart from it")
     assert reasons[2].endswith("above a step or the floor: a table, a seat or other furniture")
     (floor,) = [patch for patch in inspection.patches if patch.kind == "floor"]
@@ -190,6 +191,20 @@ def why(*parts, **changes):
 def test_one_kerb_is_only_a_single_riser():
     message = why(flat((-1.0, 0.0), (0.0, 2.0), 0.0, 1), flat((0.0, 1.0), (0.0, 2.0), 0.15, 2))
     assert message.startswith("no staircase found: 2 horizontal surfaces, but only single risers, as of a kerb")
+
+
+@pytest.mark.parametrize("climb", ["-x", "y"])
+def test_a_climb_that_leaves_out_the_stair_is_named(climb):
+    message = why(STAIR.sample(), overrules=OverrulesParams(climb=climb))
+    assert f"overrules.climb ({climb}) leaves out 4 risers in a row, which climb another way" in message
+    assert message.endswith("; correct overrules.climb, or set it to auto")
+
+
+def test_a_climb_that_leaves_out_nothing_is_not_blamed():
+    table = flat((0.2, 0.8), (0.2, 0.8), 0.9, 2)
+    message = why(flat((-1.0, 1.0), (0.0, 2.0), 0.0, 1), table, overrules=OverrulesParams(climb="x"))
+    assert "no two of them a riser apart in height and side by side in plan" in message
+    assert "overrules.climb" not in message
 
 
 def test_a_floor_under_a_shelf_has_nothing_side_by_side():
