@@ -17,12 +17,13 @@ import tyro
 from typing_extensions import Doc
 
 from stair_inspector import __version__
-from stair_inspector.errors import CannotMeasure, ConfigError, StairError, WriteError
+from stair_inspector.errors import CannotMeasure, ConfigError, ReadError, StairError, WriteError
 from stair_inspector.files.settings import find_preset, list_presets
 from stair_inspector.params import NAMED_UP, Params
 from stair_inspector.simulate.specs import Scanner, Stair
 
 if TYPE_CHECKING:
+    from stair_inspector.files.projects import Project
     from stair_inspector.model import Inspection, Measured
 
 T = TypeVar("T")
@@ -37,7 +38,8 @@ Measures staircases in 3-D scans (PLY, PCD, XYZ, PTS, CSV).
 
 commands:
   view SCAN ...             the web inspector; without a SCAN, or without any command, a bundled sample scan
-  measure SCAN ... -o DIR   headless: DIR/STEM.json, STEM.csv and STEM_debug.ply for every scan
+  measure SCAN ... -o DIR   headless: DIR/STEM.json, STEM.csv and STEM_debug.ply for every scan;
+                            with --project FILE the numbers of a project saved by the web inspector
   simulate OUT.ply          a scan of a known staircase by a simulated scanner, and OUT.truth.json
   presets                   list the presets
 
@@ -73,6 +75,13 @@ class View(Common):
     )
     port: Annotated[int, Doc("Port to listen on; 0 takes a free one.")] = 8080
     browser: Annotated[bool, Doc("Open the page in the system's browser.")] = True
+    project_dir: Annotated[
+        str,
+        tyro.conf.arg(metavar="DIR"),
+        Doc("Folder for the projects, in which everything an inspector changes is saved; '' is beside each scan."),
+    ] = ""
+    autosave: Annotated[bool, Doc("Save projects; without it they are kept until the server ends.")] = True
+    upload_limit_mb: Annotated[float, Doc("Largest scan that a page may upload, megabytes.")] = 500.0
 
 
 @dataclass(frozen=True)
@@ -82,6 +91,13 @@ class Measure(Common):
     scans: Annotated[
         tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="SCAN"), Doc("Files or folders of scans.")
     ] = tyro.MISSING
+    project: Annotated[
+        str,
+        Doc(
+            "Project file of the web inspector: its settings and overrules instead of a preset's; other flags change "
+            "its values. Only the scan that it was made on is measured; without a SCAN the one beside it."
+        ),
+    ] = ""
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="DIR"), Doc("Folder for the results.")] = tyro.MISSING
 
 
@@ -163,24 +179,34 @@ def _view(args: list[str]) -> int:
 
     # Said in the terminal now, not on the page after the first scan.
     check_system_libraries()
-    paths = find_scans(view.scans or [sample_scans()])
-    if not view.scans:
-        paths.sort(key=lambda path: path.stem != DEFAULT_SAMPLE)
+    if view.project_dir:
+        _check_folder(Path(view.project_dir), "--project-dir")
+    found = find_scans(view.scans or [sample_scans()])
+    # Folders are handed over as such: the page looks into them again.
+    paths = list(view.scans) or sorted(found, key=lambda path: path.stem != DEFAULT_SAMPLE)
     from stair_inspector.viewer.app import App, is_loopback
 
     # A service manager ends a program so; the heavy process must not be left behind.
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     app = None
     try:
-        app = App(paths, view.settings, view.host, view.port)
+        app = App(
+            paths,
+            view.settings,
+            view.host,
+            view.port,
+            project_dir=Path(view.project_dir) if view.project_dir else None,
+            saves_projects=view.autosave,
+            upload_limit_mb=view.upload_limit_mb,
+        )
         # A wildcard is no address that a browser could open.
         host = "127.0.0.1" if view.host in ("0.0.0.0", "::") else view.host
         address = f"http://[{host}]:{app.port}" if ":" in host else f"http://{host}:{app.port}"
         print(f"stair-inspector is at {address} (Ctrl+C ends it)", flush=True)
         if not is_loopback(view.host):
             print(
-                f"stair-inspector: warning: everyone who can reach {view.host} sees these scans and can move the "
-                "sliders of a page of their own; there is no password. Use --host 127.0.0.1 to keep it to this machine",
+                f"stair-inspector: warning: everyone who can reach {view.host} sees these scans, can change "
+                "projects and upload files; there is no password. Use --host 127.0.0.1 to keep it to this machine",
                 file=sys.stderr,
                 flush=True,
             )
@@ -199,17 +225,21 @@ def _view(args: list[str]) -> int:
 
 
 def _measure(args: list[str]) -> int:
-    measure = _parse(Measure, "measure", args, Measure(settings=_preset_params(args)))
-    if not measure.scans:
+    project = _given_project(args)
+    start = Measure(settings=_preset_params(args) if project is None else project.params)
+    measure = _parse(Measure, "measure", args, start)
+    scans = measure.scans or (() if project is None else (_scan_beside(Path(measure.project), project.scan_file),))
+    if not scans:
         raise ConfigError("measure: no scan given; name at least one file or folder")
     _check_folder(measure.out)
     from stair_inspector.files.exports import write_inspection
+    from stair_inspector.files.projects import check_scan
     from stair_inspector.files.scans import find_scans, read_scan
     from stair_inspector.pipeline import inspect
 
     paths: list[Path] = []
     worst = 0
-    for given in measure.scans:
+    for given in scans:
         try:
             paths += find_scans([given])
         except StairError as error:
@@ -220,6 +250,8 @@ def _measure(args: list[str]) -> int:
     for path in paths:
         try:
             scan = read_scan(path, measure.settings.unit)
+            if project is not None:
+                check_scan(project, scan.sha256, str(path), measure.project)
             inspection = inspect(scan, measure.settings)
             written = write_inspection(scan, inspection, measure.out, path.stem)
         except StairError as error:
@@ -339,6 +371,30 @@ def _preset_params(args: list[str]) -> Params:
     return find_preset(name).params if name is not None else find_preset("default").params
 
 
+def _given_project(args: list[str]) -> "Project | None":
+    """Return the project that the arguments name, None for none."""
+    name = _value_of(args, "--project")
+    if not name:
+        return None
+    if _value_of(args, "--preset") is not None:
+        raise ConfigError("measure: got --project and --preset, which both state every setting; give one of them")
+    from stair_inspector.files.projects import read_project
+
+    return read_project(Path(name))
+
+
+def _scan_beside(project: Path, name: str) -> Path:
+    path = project.parent / name
+    try:
+        is_there = path.is_file()
+    except OSError:
+        # A name longer than the system allows.
+        is_there = False
+    if not is_there:
+        raise ReadError(f"{path}: this scan of the project is not beside it; name it: measure SCAN --project {project}")
+    return path
+
+
 def _value_of(args: list[str], flag: str) -> str | None:
     """Return the value of a flag that must be known before the others are read; the last one counts."""
     value = None
@@ -350,16 +406,16 @@ def _value_of(args: list[str], flag: str) -> str | None:
     return value
 
 
-def _check_folder(folder: Path) -> None:
-    """Raise before the work, not after it, when results could not be written."""
+def _check_folder(folder: Path, flag: str = "-o") -> None:
+    """Raise before the work, not after it, when the folder that ``flag`` gave could not be written."""
     try:
         existing = next((parent for parent in (folder, *folder.parents) if parent.exists()), folder)
     except OSError as error:
-        raise WriteError(f"{folder}: cannot be written ({error.strerror}); give another folder with -o") from error
+        raise WriteError(f"{folder}: cannot be written ({error.strerror}); give another folder with {flag}") from error
     if not existing.is_dir():
-        raise WriteError(f"{existing}: is a file, not a folder; give another folder with -o")
+        raise WriteError(f"{existing}: is a file, not a folder; give another folder with {flag}")
     if not os.access(existing, os.W_OK | os.X_OK):
-        raise WriteError(f"{existing}: cannot be written (permission denied); give another folder with -o")
+        raise WriteError(f"{existing}: cannot be written (permission denied); give another folder with {flag}")
 
 
 def _check_stems(paths: list[Path]) -> None:

@@ -4,8 +4,12 @@ Imports nothing heavy, so that ``stair-inspector --help`` answers at once.
 """
 
 import dataclasses
+import itertools
 import math
+import re
 import typing
+import unicodedata
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
@@ -22,6 +26,10 @@ Verdict = Literal["tread", "landing", "rejected"]
 
 METRES_PER_UNIT: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 """Exact length of each unit, metres (international inch and foot)."""
+
+_LONGEST_REASON = 300
+_LONGEST_SHOWN = 60
+"""Characters of a wrong value that a message repeats: a file may hold megabytes of it."""
 
 NAMED_UP: dict[str, tuple[float, float, float]] = {
     "x": (1.0, 0.0, 0.0),
@@ -278,7 +286,8 @@ class OverrulesParams(Group):
         str,
         Doc(
             "Surfaces whose kind is decided, as 'level:3=rejected; patch:12=tread; at:0.5,1.2,0.34=landing'; 'at' "
-            "takes the surface nearest to a point of the scan's frame, metres."
+            "takes the surface nearest to a point of the scan's frame, metres. A reason may follow in parentheses: "
+            "'level:3=rejected (a table)'."
         ),
     ] = ""
     climb: Annotated[
@@ -341,6 +350,11 @@ class Params:
         for name, (kind, knob) in fields_of(Params).items():
             check_value(name, getattr(self, name), kind, knob)
         parse_up(self.up)
+
+    def value(self, name: str) -> Any:
+        """Return the value of the setting with the dotted ``name`` (``levels.eps_m``)."""
+        group_name, _, field_name = name.rpartition(".")
+        return getattr(getattr(self, group_name) if group_name else self, field_name)
 
     def replaced(self, name: str, value: object) -> "Params":
         """Return a copy in which the setting with the dotted ``name`` (``levels.eps_m``) has another value.
@@ -408,36 +422,47 @@ def parse_up(text: str, name: str = "up") -> tuple[float, float, float] | None:
     length = math.hypot(*parts) if parts else 0.0
     # The length of the tiniest numbers is rounded too coarsely to divide by.
     if len(parts) != 3 or not 1e-100 < length < math.inf:
-        raise ConfigError(f'{name}: got {text!r}; give auto, x, y, z, -x, -y, -z, or three numbers such as "0.1,0,1"')
+        raise ConfigError(
+            f'{name}: got {brief(text)}; give auto, x, y, z, -x, -y, -z, or three numbers such as "0.1,0,1"'
+        )
     return (parts[0] / length, parts[1] / length, parts[2] / length)
 
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """What the inspector decided about a level or patch by number, or about the patch at a point (scan frame, m)."""
+    """What the inspector decided about a level or patch by number, or about the patch at a point (scan frame, m).
+
+    ``reason`` is the inspector's own sentence why, empty where none was given.
+    """
 
     target: Literal["level", "patch", "at"]
     number: int
     point_m: tuple[float, float, float]
     kind: Verdict
+    reason: str = ""
 
 
 def parse_force(text: str) -> tuple[Force, ...]:
-    """Return the decisions that ``overrules.force`` holds, in order.
+    r"""Return the decisions that ``overrules.force`` holds, in order.
+
+    A reason stands in parentheses after the kind. Inside it a backslash takes the meaning off the next character, which
+    a parenthesis without its partner needs.
 
     Raises
     ------
     ConfigError
-        Not of the form ``level:3=rejected; patch:12=tread; at:0.5,1.2,0.34=landing``.
+        Not of the form ``level:3=rejected; patch:12=tread; at:0.5,1.2,0.34=landing (floor of the next room)``.
 
     Examples
     --------
     >>> [(force.target, force.number, force.kind) for force in parse_force("level:3=rejected; patch:12=tread")]
     [('level', 3, 'rejected'), ('patch', 12, 'tread')]
+    >>> parse_force("level:3=rejected (a table; see photo (7))")[0].reason
+    'a table; see photo (7)'
     """
     forces = []
-    for entry in text.split(";") if text.strip() else ():
-        where, _, kind = (part.strip() for part in entry.partition("="))
+    for entry, decision, reason in _split_force(text) if text.strip() else ():
+        where, _, kind = (part.strip() for part in decision.partition("="))
         target, _, value = (part.strip() for part in where.partition(":"))
         try:
             numbers = [float(number) for number in value.split(",")] if target == "at" else [float(int(value))]
@@ -446,15 +471,95 @@ def parse_force(text: str) -> tuple[Force, ...]:
         is_place = len(numbers) == (3 if target == "at" else 1) and all(abs(number) < 1e9 for number in numbers)
         if target not in ("level", "patch", "at") or kind not in get_args(Verdict) or not is_place:
             raise ConfigError(
-                f"overrules.force: got {entry.strip()[:60]!r}; give entries such as level:3=rejected, patch:12=tread "
+                f"overrules.force: got {entry[:60]!r}; give entries such as level:3=rejected, patch:12=tread "
                 "or at:0.5,1.2,0.34=landing, separated by semicolons"
             )
+        _check_reason(reason)
         point = (numbers[0], numbers[1], numbers[2]) if target == "at" else (0.0, 0.0, 0.0)
         number = -1 if target == "at" else int(numbers[0])
-        forces.append(
-            Force(typing.cast(Any, target), number, point, typing.cast(Verdict, kind)),
-        )
+        forces.append(Force(typing.cast(Any, target), number, point, typing.cast(Verdict, kind), reason))
     return tuple(forces)
+
+
+def with_decision(force: str, place_m: Sequence[float], kind: Verdict | None, reason: str = "") -> str:
+    """Return ``overrules.force`` with a decision about the surface at a place in the scan frame, metres.
+
+    An earlier decision about the very same place, to the millimetre, is dropped, however it was written; with the kind
+    None that is all that happens. The other entries stay as they were written.
+
+    Raises
+    ------
+    ConfigError
+        A reason of more than one line or 300 characters, or a ``force`` with a parenthesis that is not closed.
+
+    Examples
+    --------
+    >>> with_decision("level:3=rejected; at:1.000,0.000,0.170=tread", (1.0, 0.0, 0.17), "landing", "wide")
+    'level:3=rejected; at:1.000,0.000,0.170=landing (wide)'
+    """
+    place = _place_text(place_m)
+    kept = [entry for entry, decision, _ in _split_force(force) if entry and _place_in(decision) != place]
+    if kind is None:
+        return "; ".join(kept)
+    why = reason.strip()
+    _check_reason(why)
+    return "; ".join([*kept, f"{place}={kind}" + (f" ({_escaped(why)})" if why else "")])
+
+
+def _place_text(place_m: Sequence[float]) -> str:
+    # Adding zero makes a rounded -0.0 a plain zero.
+    return "at:" + ",".join(f"{round(float(coordinate), 3) + 0.0:.3f}" for coordinate in place_m)
+
+
+def _place_in(decision: str) -> str | None:
+    """Return the place that a decision is about, as :func:`with_decision` writes it; None for a level or patch."""
+    target, _, value = decision.partition("=")[0].partition(":")
+    try:
+        return _place_text([float(part) for part in value.split(",")]) if target.strip() == "at" else None
+    except ValueError:
+        return None
+
+
+def _split_force(text: str) -> list[tuple[str, str, str]]:
+    """Return each entry of ``overrules.force``: its whole text, the decision in it, and the reason in parentheses."""
+    tokens_of: list[list[str]] = [[]]
+    depth = 0
+    for token in re.findall(r"\\.|.", text, re.DOTALL):
+        depth += (token == "(") - (token == ")" and depth > 0)
+        # A semicolon in a reason separates nothing.
+        if token == ";" and depth == 0:
+            tokens_of.append([])
+        else:
+            tokens_of[-1].append(token)
+    wholes = ["".join(tokens).strip() for tokens in tokens_of]
+    if depth > 0:
+        raise ConfigError(
+            f"overrules.force: the parenthesis in {wholes[-1][:60]!r} is not closed; close it, or write \\( "
+            "for one without partner"
+        )
+    entries = []
+    for whole in wholes:
+        decision, _, reason = whole.partition("(")
+        if not reason.endswith(")"):
+            entries.append((whole, whole, ""))
+            continue
+        entries.append((whole, decision.strip(), re.sub(r"\\(.)", r"\1", reason[:-1]).strip()))
+    return entries
+
+
+def _check_reason(reason: str) -> None:
+    if len(reason) > _LONGEST_REASON or not is_one_line(reason):
+        raise ConfigError(
+            f"overrules.force: the reason {reason[:60]!r} is too long or has a line break or another control "
+            f"character; give one line of at most {_LONGEST_REASON} characters"
+        )
+
+
+def _escaped(reason: str) -> str:
+    """Return a reason as it stands in parentheses: these keep their meaning only where each has its partner."""
+    depths = list(itertools.accumulate((character == "(") - (character == ")") for character in reason))
+    is_balanced = depths[-1] == 0 and min(depths) >= 0
+    return re.sub(r"\\" if is_balanced else r"[\\()]", r"\\\g<0>", reason)
 
 
 def parse_region(text: str) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
@@ -483,6 +588,17 @@ def parse_region(text: str) -> tuple[tuple[float, float, float], tuple[float, fl
     return (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])
 
 
+def is_one_line(text: str) -> bool:
+    """Return whether a text can stand on one line of a page or a file: without control characters or half letters."""
+    return not any(unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") for letter in text)
+
+
+def brief(value: object) -> str:
+    """Return a wrong value as a message repeats it, its end cut off where it is long."""
+    shown = repr(value)
+    return shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}..."
+
+
 def check_value(name: str, value: object, kind: Any, knob: Knob | None) -> None:
     """Check one setting against its declared type and range.
 
@@ -493,16 +609,16 @@ def check_value(name: str, value: object, kind: Any, knob: Knob | None) -> None:
     """
     if get_origin(kind) is Literal:
         if not isinstance(value, str) or value not in get_args(kind):
-            raise ConfigError(f"{name}: got {value!r}; give one of {', '.join(get_args(kind))}")
+            raise ConfigError(f"{name}: got {brief(value)}; give one of {', '.join(get_args(kind))}")
     elif kind in (int, float):
         is_number = isinstance(value, int if kind is int else (int, float)) and not isinstance(value, bool)
         # Only a float can be infinite; asking it of a whole number of 400 digits would overflow.
         if not is_number or (isinstance(value, float) and not math.isfinite(value)):
-            raise ConfigError(f"{name}: got {value!r}; give a {'whole ' if kind is int else ''}number")
+            raise ConfigError(f"{name}: got {brief(value)}; give a {'whole ' if kind is int else ''}number")
         if knob is not None and not knob.low <= typing.cast(float, value) <= knob.high:
-            raise ConfigError(f"{name}: got {value!r}; give a value from {knob.low:g} to {knob.high:g}")
+            raise ConfigError(f"{name}: got {brief(value)}; give a value from {knob.low:g} to {knob.high:g}")
     elif not isinstance(value, kind):
-        raise ConfigError(f"{name}: got {value!r}; give a text")
+        raise ConfigError(f"{name}: got {brief(value)}; give a text")
 
 
 _FIELDS: dict[type, dict[str, tuple[Any, Knob | None]]] = {}

@@ -1,6 +1,7 @@
 """The command line: exit codes, one pinned line for every error, results on stdout and nothing else there."""
 
 import csv
+import hashlib
 import json
 import subprocess
 import sys
@@ -12,9 +13,13 @@ import pytest
 import stair_inspector
 from stair_inspector import cli
 from stair_inspector.errors import ConfigError, MissingLibrary
+from stair_inspector.files.exports import write_inspection
 from stair_inspector.files.ply import ply_bytes
+from stair_inspector.files.projects import KeptRun, Measurement, Project, save_project
+from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import list_presets
 from stair_inspector.params import GROUPS, Params, fields_of
+from stair_inspector.pipeline import inspect
 from tests.synthetic import Stair
 
 ROOT = Path(__file__).parent.parent
@@ -264,16 +269,17 @@ def measured(run, stair_file, tmp_path):
 
 
 def test_overrules_are_saved_and_listed(measured):
-    force = "level:3=rejected; at:0.1,0.5,0.17=tread"
+    force = "level:3=rejected (a table; see photo (7)); at:0.1,0.5,0.17=tread"
     args = ("--overrules.force", force, "--overrules.region", "-9,-9,-9,9,9,9", "--overrules.climb", "x")
     document = measured(*args)
     assert document["settings"]["overrules"] == {"force": force, "climb": "x", "region": "-9,-9,-9,9,9,9"}
     assert document["overrules"] == [
-        {"what": "level 3", "kind": "rejected"},
-        {"what": "at 0.1,0.5,0.17", "kind": "tread"},
+        {"what": "level 3", "kind": "rejected", "reason": "a table; see photo (7)"},
+        {"what": "at 0.1,0.5,0.17", "kind": "tread", "reason": None},
         {"what": "climb", "vector": [1.0, 0.0, 0.0]},
         {"what": "region", "low_m": [-9.0, -9.0, -9.0], "high_m": [9.0, 9.0, 9.0]},
     ]
+    assert document["levels"][3]["reason"] == "rejected by the inspector: a table; see photo (7)"
 
 
 def test_nothing_is_listed_when_nothing_was_decided(measured):
@@ -309,6 +315,112 @@ def test_overrules_of_a_preset_file_and_flags_over_them(measured, tmp_path):
     document = measured("--preset", preset, "--overrules.force", "level:2=landing", "--overrules.region", "")
     assert document["settings"]["overrules"] == {"force": "level:2=landing", "climb": "x", "region": ""}
     assert [entry["what"] for entry in document["overrules"]] == ["level 2", "climb"]
+
+
+# --- projects ------------------------------------------------------------------------------------------------------
+
+DECIDED = (
+    Params(up="z", unit="m").replaced("levels.eps_m", 0.0123456789).replaced("overrules.force", "level:5=rejected (x)")
+)
+
+
+@pytest.fixture
+def project_file(tmp_path, stair_file):
+    """A project beside a copy of the stair, with a space and a letter beyond ASCII in its name."""
+    scan = tmp_path / "work" / "Stair ß.ply"
+    scan.parent.mkdir()
+    scan.write_bytes(stair_file.read_bytes())
+    project = Project(
+        scan.name,
+        hashlib.sha256(scan.read_bytes()).hexdigest(),
+        DECIDED,
+        "Hall",
+        (Measurement("m", ((0.0, 0.0, 0.0),)),),
+        runs=(KeptRun("other", Params()),),
+    )
+    path = scan.with_suffix(".stair.json")
+    save_project(path, project)
+    return path
+
+
+def without_times(path):
+    document = json.loads(path.read_bytes())
+    assert document.pop("timings_s")
+    return document
+
+
+@pytest.mark.parametrize("is_named", [True, False], ids=["scan_named", "scan_beside"])
+def test_a_project_gives_the_very_numbers_of_its_settings(run, tmp_path, project_file, is_named):
+    scan = project_file.with_name("Stair ß.ply")
+    named = [scan] if is_named else []
+    code, _, err = run("measure", *named, "--project", project_file, "-o", tmp_path / "out")
+    assert (code, err) == (0, "")
+    inspection = inspect(read_scan(scan, "m"), DECIDED)
+    write_inspection(read_scan(scan, "m"), inspection, tmp_path / "expected", scan.stem)
+    assert len(inspection.steps) == 4, "the fifth level was rejected"
+    for name in ("Stair ß.csv", "Stair ß_debug.ply"):
+        assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "expected" / name).read_bytes()
+    document = without_times(tmp_path / "out" / "Stair ß.json")
+    assert document == without_times(tmp_path / "expected" / "Stair ß.json")
+    assert document["settings"]["levels"]["eps_m"] == 0.0123456789
+
+
+def test_another_scan_than_the_projects_is_refused_and_the_right_one_is_still_measured(run, tmp_path, project_file):
+    scan = project_file.with_name("Stair ß.ply")
+    other = tmp_path / "other.ply"
+    other.write_bytes(ply_bytes(Stair(seed=7).sample()[0]))
+    code, out, err = run("measure", other, scan, "--project", project_file, "-o", tmp_path / "out")
+    shas = [hashlib.sha256(path.read_bytes()).hexdigest()[:12] for path in (scan, other)]
+    assert code == 3
+    assert err == (
+        f"stair-inspector: {other}: is not the scan of the project {project_file}, which was made on Stair ß.ply with "
+        f"SHA-256 {shas[0]}..., while this file has {shas[1]}...; give that scan, or another project\n"
+    )
+    assert "4 steps" in out
+    assert not (tmp_path / "out" / "other.json").exists()
+
+
+def test_flags_change_a_projects_values(run, tmp_path, project_file):
+    code, _, err = run(
+        "measure", "--project", project_file, "-o", tmp_path, "--overrules.force", "", "--method", "paper"
+    )
+    assert (code, err) == (0, "")
+    settings = json.loads((tmp_path / "Stair ß.json").read_text(encoding="utf-8"))["settings"]
+    assert (settings["method"], settings["overrules"]["force"]) == ("paper", "")
+    assert settings["levels"]["eps_m"] == 0.0123456789
+
+
+def test_a_project_and_a_preset_are_one_too_many(run, tmp_path, project_file):
+    text = refusal(run, "measure", "--project", project_file, "--preset", "tls", "-o", tmp_path)
+    assert text == "measure: got --project and --preset, which both state every setting; give one of them"
+
+
+def test_a_project_whose_scan_is_not_beside_it_asks_for_the_scan(run, tmp_path, project_file):
+    scan = project_file.with_name("Stair ß.ply")
+    scan.unlink()
+    code, _, err = run("measure", "--project", project_file, "-o", tmp_path)
+    assert code == 3
+    assert err == (
+        f"stair-inspector: {scan}: this scan of the project is not beside it; name it: measure SCAN --project "
+        f"{project_file}\n"
+    )
+
+
+@pytest.mark.parametrize("name", ["x" * 3000, "-o.ply", "--help"])
+def test_a_project_of_a_scan_with_an_odd_name_asks_for_the_scan(run, tmp_path, name):
+    path = tmp_path / "odd.stair.json"
+    save_project(path, Project(name, "0" * 64))
+    code, _, err = run("measure", "--project", path, "-o", tmp_path)
+    assert code == 3
+    assert "this scan of the project is not beside it; name it: measure SCAN --project" in err
+    assert err.count("\n") == 1
+
+
+def test_a_file_that_is_no_project_is_one_sentence(run, tmp_path, stair_file):
+    text = refusal(run, "measure", stair_file, "--project", stair_file, "-o", tmp_path)
+    assert text.startswith(f"{stair_file}: is no project file: ")
+    text = refusal(run, "measure", stair_file, "--project", tmp_path / "no.stair.json", "-o", tmp_path)
+    assert text == f"{tmp_path / 'no.stair.json'}: cannot be read (No such file or directory); check the name"
 
 
 def test_wrong_overrules_of_a_preset_file_name_the_file(run, stair_file, tmp_path):

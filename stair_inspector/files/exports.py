@@ -287,7 +287,7 @@ def _decisions_to_list(params: Params) -> list[dict[str, Any]]:
     decided: list[dict[str, Any]] = []
     for force in parse_force(params.overrules.force):
         place = ",".join(f"{value}" for value in force.point_m) if force.target == "at" else force.number
-        decided.append({"what": f"{force.target} {place}", "kind": force.kind})
+        decided.append({"what": f"{force.target} {place}", "kind": force.kind, "reason": force.reason or None})
     climb = parse_up(params.overrules.climb, "overrules.climb")
     if climb is not None:
         decided.append({"what": "climb", "vector": list(climb)})

@@ -1,14 +1,15 @@
 """Settings as TOML and as JSON, and the presets that come with the program."""
 
 import dataclasses
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.paths import static_configs
-from stair_inspector.files.toml import check_keys, read_toml
-from stair_inspector.params import GROUPS, Params, fields_of
+from stair_inspector.files.toml import check_keys, parse_toml, read_toml
+from stair_inspector.params import GROUPS, Params, brief, fields_of
 
 DEFAULT_PRESET = "default"
 _OWN_KEYS = ("title", "description")
@@ -52,7 +53,7 @@ def params_from_dict(values: dict[str, Any], place: str) -> Params:
                 chosen[name] = value
                 continue
             if not isinstance(value, dict):
-                raise ConfigError(f"{name}: got {value!r}; give a table [{name}]")
+                raise ConfigError(f"{name}: got {brief(value)}; give a table [{name}]")
             check_keys(f"{place}: [{name}]", value, fields_of(GROUPS[name]))
             chosen[name] = GROUPS[name](**value)
         return Params(**chosen)
@@ -69,16 +70,64 @@ def read_preset(path: Path) -> Preset:
     ConfigError
         As :func:`params_from_dict`, and for a file that is no TOML.
     """
-    values = read_toml(path)
+    return _to_preset(read_toml(path), path.stem, str(path))
+
+
+def parse_preset(data: bytes, name: str) -> Preset:
+    """Read a preset from the bytes of its file, as an upload gives them; ``name`` is the file's.
+
+    Raises
+    ------
+    ConfigError
+        As :func:`read_preset`; the sentence begins with the name.
+    """
+    return _to_preset(parse_toml(data, name), Path(name).stem, name)
+
+
+def preset_bytes(params: Params, title: str, description: str = "") -> bytes:
+    """Return settings as a preset file, which reads back equal.
+
+    Every setting is named, so that none changes where a later version has another default. Overrules belong to one
+    scan: who saves a preset for other scans leaves them out of ``params``.
+
+    Raises
+    ------
+    ConfigError
+        A text cannot be written as UTF-8.
+    """
+    lines = [f"{key} = {_toml_value(text)}" for key, text in zip(_OWN_KEYS, (title, description), strict=True) if text]
+    tables = []
+    for name, value in params_to_dict(params).items():
+        if isinstance(value, dict):
+            tables += ["", f"[{name}]", *(f"{key} = {_toml_value(entry)}" for key, entry in value.items())]
+        else:
+            lines.append(f"{name} = {_toml_value(value)}")
+    try:
+        return ("\n".join([*lines, *tables]) + "\n").encode("utf-8")
+    except UnicodeEncodeError as error:
+        broken = str(error.object)[error.start : error.end]
+        raise ConfigError(
+            f"the preset: {broken!r} cannot be written as text; change the title or the reason"
+        ) from error
+
+
+def _toml_value(value: str | float) -> str:
+    if isinstance(value, str):
+        # JSON's escapes are those of TOML, which has one character more to escape.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value)
+
+
+def _to_preset(values: dict[str, Any], name: str, place: str) -> Preset:
     texts = {}
     for key in _OWN_KEYS:
         text = values.pop(key, "")
         if not isinstance(text, str):
-            raise ConfigError(f"{path}: {key}: got {text!r}; give a text in quotes")
+            raise ConfigError(f"{place}: {key}: got {brief(text)}; give a text in quotes")
         texts[key] = text
     # A misspelt title must not be reported as a misspelt setting.
-    check_keys(str(path), values, [*fields_of(Params), *_OWN_KEYS])
-    return Preset(path.stem, texts["title"] or path.stem, texts["description"], params_from_dict(values, str(path)))
+    check_keys(place, values, [*fields_of(Params), *_OWN_KEYS])
+    return Preset(name, texts["title"] or name, texts["description"], params_from_dict(values, place))
 
 
 def list_presets() -> list[Preset]:

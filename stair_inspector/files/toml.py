@@ -20,18 +20,31 @@ def read_toml(path: Path) -> dict[str, Any]:
         Missing, unreadable, larger than 1 MB, not UTF-8 or not TOML.
     """
     try:
-        if path.stat().st_size > _MAX_BYTES:
-            raise ConfigError(f"{path}: larger than {_MAX_BYTES // 1_000_000} MB, which no settings file is")
-        text = path.read_text(encoding="utf-8")
+        with path.open("rb") as stream:
+            data = stream.read(_MAX_BYTES + 1)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); check the name") from error
-    except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: is not a text file; give a TOML file") from error
+    return parse_toml(data, str(path))
+
+
+def parse_toml(data: bytes, place: str) -> dict[str, Any]:
+    """Read TOML from the bytes of its file; ``place`` is its name, for the messages.
+
+    Raises
+    ------
+    ConfigError
+        Larger than 1 MB, not UTF-8 or not TOML.
+    """
+    if len(data) > _MAX_BYTES:
+        raise ConfigError(f"{place}: larger than {_MAX_BYTES // 1_000_000} MB, which no settings file is")
     try:
-        return tomllib.loads(text)
+        # As a file that is opened as text: TOML itself allows no lone carriage return.
+        return tomllib.loads(data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n"))
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{place}: is not a text file; give a TOML file") from error
     except (ValueError, RecursionError) as error:
         # tomllib's own error is a ValueError; numbers of thousands of digits and deep nesting raise the others.
-        raise ConfigError(f"{path}: is not valid TOML ({error}); mend that place") from error
+        raise ConfigError(f"{place}: is not valid TOML ({error}); mend that place") from error
 
 
 def check_keys(place: str, keys: Iterable[str], known: Iterable[str], what: str = "key") -> None:

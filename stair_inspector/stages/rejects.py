@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -31,14 +31,25 @@ _FURNITURE_M = (0.2, 1.3)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Forced:
-    """The inspector's decisions: kinds by surface number, and the direction of climb in plan, (2,), level frame."""
+    """The inspector's decisions: kinds by surface number, and the direction of climb in plan, (2,), level frame.
+
+    ``reasons`` holds the inspector's own words, for the surfaces for which some were given.
+    """
 
     kinds: dict[int, Verdict]
     climb: Floats | None = None
+    reasons: dict[int, str] = field(default_factory=dict)
 
     def those(self, kind: Verdict) -> frozenset[int]:
         """Return the surfaces decided to be of a kind."""
         return frozenset(number for number, known in self.kinds.items() if known == kind)
+
+    def why_rejected(self, number: int) -> str | None:
+        """Return the sentence for a surface that the inspector rejected, None for any other."""
+        if self.kinds.get(number) != "rejected":
+            return None
+        reason = self.reasons.get(number)
+        return "rejected by the inspector" + (f": {reason}" if reason else "")
 
 
 def apply_overrules(scan: Scan, horizontal: Horizontal, patches: Patches, params: OverrulesParams) -> Forced:
@@ -58,6 +69,7 @@ def apply_overrules(scan: Scan, horizontal: Horizontal, patches: Patches, params
     """
     surfaces = patches.surfaces
     kinds: dict[int, Verdict] = {}
+    reasons: dict[int, str] = {}
     for force in parse_force(params.force):
         if force.target == "at":
             point = horizontal.level_from_scan @ (np.array(force.point_m) - scan.origin_m)
@@ -78,14 +90,15 @@ def apply_overrules(scan: Scan, horizontal: Horizontal, patches: Patches, params
                 "them, so give the place instead, as at:x,y,z=kind"
             )
         kinds.update(dict.fromkeys(chosen, force.kind))
+        reasons.update(dict.fromkeys(chosen, force.reason))
     given = parse_up(params.climb, "overrules.climb")
     if given is None:
-        return Forced(kinds)
+        return Forced(kinds, reasons=reasons)
     climb = (horizontal.level_from_scan @ np.array(given))[:2]
     length = float(np.hypot(*climb))
     if length < _LEAST_LEVEL:
         raise ConfigError(f"overrules.climb: {params.climb} points up or down; give a direction in plan")
-    return Forced(kinds, freeze(climb / length))
+    return Forced(kinds, freeze(climb / length), reasons)
 
 
 def may_be_step(surface: Surface, min_area_m2: float) -> bool:
@@ -148,12 +161,12 @@ def explain_rejects(
         if number in taken:
             continue
         over = [k for k in {*steps, *bases} if np.isin(keys[number], keys[k]).mean() >= _OVER_SHARE]
-        if number in undersides and forced.kinds.get(number) != "rejected":
+        if number in undersides and forced.why_rejected(number) is None:
             reasons[number] = "lies closely under another surface: the underside of a tread or slab"
             continue
         reasons[number] = _why(
             surfaces[number],
-            forced.kinds.get(number) == "rejected",
+            forced.why_rejected(number),
             [surfaces[k] for k in steps],
             [surfaces[k] for k in bases],
             tops,
@@ -165,15 +178,18 @@ def explain_rejects(
 
 def _why(
     surface: Surface,
-    is_forced: bool,
+    decided: str | None,
     steps: Sequence[Surface],
     bases: Sequence[Surface],
     tops: Sequence[Surface],
     over: Sequence[Surface],
     least_area_m2: float,
 ) -> str:
-    """Return why a surface is rejected; ``over`` are the steps and floors under or over it, ``tops`` the last steps."""
-    own = _why_by_itself(surface, is_forced, least_area_m2)
+    """Return why a surface is rejected: what the inspector ``decided``, or what is seen.
+
+    ``over`` are the steps and floors under or over it, ``tops`` the flights' last steps.
+    """
+    own = decided or _why_by_itself(surface, least_area_m2)
     if own is not None:
         return own
     if not steps:
@@ -217,10 +233,8 @@ def _rise_from_beside(surface: Surface, tops: Sequence[Surface]) -> float | None
     return None
 
 
-def _why_by_itself(surface: Surface, is_forced: bool, least_area_m2: float) -> str | None:
+def _why_by_itself(surface: Surface, least_area_m2: float) -> str | None:
     """Return why a surface can be no step whatever is around it, or None."""
-    if is_forced:
-        return "rejected by the inspector"
     if surface.area_m2 < least_area_m2:
         return f"only {surface.area_m2:.3f} m² large, less than any tread (patches.min_area_m2 is {least_area_m2:g})"
     if lean_deg(surface) > STEEPEST_DEG:

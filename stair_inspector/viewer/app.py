@@ -16,7 +16,10 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.params import Params
 from stair_inspector.viewer.cameras import FOV_RAD
-from stair_inspector.viewer.session import KeptRequests, Session
+from stair_inspector.viewer.library import DEFAULT_UPLOAD_LIMIT_MB, Library
+from stair_inspector.viewer.session import Session
+from stair_inspector.viewer.uploads import limit_uploads
+from stair_inspector.viewer.work import KeptWishes
 from stair_inspector.viewer.worker import Workshop
 
 
@@ -26,11 +29,17 @@ class App:
     Parameters
     ----------
     scans : sequence of Path
-        Files that can be chosen; at least one. The first is opened.
+        Files and folders that can be chosen; at least one. The first scan is opened.
     params : Params
         Settings every page begins with.
     host, port
         Where to listen; port 0 takes a free one.
+    project_dir : Path, optional
+        Where projects are saved; None is beside each scan.
+    saves_projects : bool
+        False keeps what inspectors change in memory only.
+    upload_limit_mb : float
+        Largest upload, megabytes.
 
     Raises
     ------
@@ -38,12 +47,22 @@ class App:
         The port is taken, or the host is no address of this machine.
     """
 
-    def __init__(self, scans: Sequence[Path], params: Params, host: str = "127.0.0.1", port: int = 8080) -> None:
+    def __init__(
+        self,
+        scans: Sequence[Path],
+        params: Params,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        *,
+        project_dir: Path | None = None,
+        saves_projects: bool = True,
+        upload_limit_mb: float = DEFAULT_UPLOAD_LIMIT_MB,
+    ) -> None:
         self._port = _check_address(host, port)
-        self._scans = label_scans(scans)
+        self._library = Library(scans, project_dir, saves_projects=saves_projects, upload_limit_mb=upload_limit_mb)
         self._params = params
         self._palettes = (read_palette("page"), read_palette("page_dark"))
-        self._kept = KeptRequests()
+        self._kept = KeptWishes()
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -85,12 +104,14 @@ class App:
         for session in sessions:
             session.close()
         self._workshop.close()
+        self._library.close()
         with contextlib.redirect_stdout(io.StringIO()):
             self._server.stop()
         self._ended.set()
 
     def _connect(self, client: viser.ClientHandle) -> None:
-        session = Session(client, self._workshop, self._scans, self._params, self._palettes, self._kept)
+        limit_uploads(client, self._library.check_upload)
+        session = Session(client, self._workshop, self._library, self._params, self._palettes, self._kept)
         with self._lock:
             self._sessions[client.client_id] = session
         # The page may have gone while its session was being made.
@@ -111,19 +132,6 @@ def is_loopback(host: str) -> bool:
     with contextlib.suppress(ValueError):
         return ipaddress.ip_address(host).is_loopback
     return False
-
-
-def label_scans(scans: Sequence[Path]) -> dict[str, Path]:
-    """Return the files by name; where two have the same name, by as much of the path as tells them apart."""
-    labels: dict[str, Path] = {}
-    for path in scans:
-        # A set: a file that was named twice has no twin.
-        twins = {other for other in scans if other.name == path.name}
-        depth = 1
-        while len({other.parts[-depth:] for other in twins}) < len(twins) and depth < len(path.parts):
-            depth += 1
-        labels["/".join(path.parts[-depth:])] = path
-    return labels
 
 
 def _check_address(host: str, port: int) -> int:

@@ -7,7 +7,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Measured, Step
-from stair_inspector.viewer.survey_html import measured_text
+from stair_inspector.viewer.units import Unit, measured_text
 
 Anchor = Literal["bottom-left", "bottom-right", "top-left", "top-right"]
 """The corner of a label that lies at its place: four labels with four anchors stay apart at every distance."""
@@ -58,7 +58,7 @@ class _Frame:
     left: Floats
 
 
-def dimensions_of(inspection: Inspection, step: Step, lift_m: float) -> Dimensions:
+def dimensions_of(inspection: Inspection, step: Step, lift_m: float, unit: Unit = "mm") -> Dimensions:
     """Return the measuring lines, dimension arrows and labels of a step.
 
     Parameters
@@ -69,6 +69,8 @@ def dimensions_of(inspection: Inspection, step: Step, lift_m: float) -> Dimensio
         What has not been measured is not drawn; a step without a nosing line or a climb has no dimensions at all.
     lift_m : float
         Distance of every line from the surface that it lies on, so that the points do not cover it.
+    unit : {"mm", "in"}
+        In which the labels give the lengths.
 
     Returns
     -------
@@ -94,7 +96,7 @@ def dimensions_of(inspection: Inspection, step: Step, lift_m: float) -> Dimensio
         # The label of the width would hide the rise's arrow: it stands at the left end.
         place = (end if along is frame.left else (start + end) / 2.0) + offset
         place += (_TO_LABEL_M if anchor.endswith("right") else -_TO_LABEL_M) * frame.left
-        labels.append(Label(f"{name} {measured_text(value, 'mm')}", place, anchor))
+        labels.append(Label(f"{name} {measured_text(value, unit)}", place, anchor))
 
     aside = -_ASIDE_M * frame.left
     add("going", step.going_m, centre, frame.climb, over, "bottom-right")

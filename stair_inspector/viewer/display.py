@@ -32,12 +32,17 @@ def choose_display(scan: Scan, most: int = MAX_POINTS) -> Display:
     ids = np.arange(n)
     if n > most:
         ids = np.sort(np.random.default_rng(0).choice(n, most, replace=False))
+    return display_of(scan, ids)
+
+
+def display_of(scan: Scan, ids: Ints) -> Display:
+    """Return the points of a scan with these indices (m,) as a subset to be drawn."""
     points = scan.points[ids]
     return Display(
         point_ids=own(ids, (None,), "point_ids", np.int64),
         points=own(points, (None, 3), "points"),
         colors=own(_colors(scan, ids), (None, 3), "colors", np.uint8),
-        spacing_m=estimate_spacing(points),
+        spacing_m=estimate_spacing(points) if len(points) else 0.0,
     )
 
 

@@ -7,15 +7,24 @@ and dark both read well.
 from collections.abc import Mapping
 from typing import Literal
 
-import numpy as np
-
-from stair_inspector.files.palettes import Palette, Rgb
+from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.fits import PlaneFit
-from stair_inspector.model import HeightProfile, Inspection, Level, Step
+from stair_inspector.model import Inspection, Step
 from stair_inspector.params import Params
 from stair_inspector.viewer import survey_html
 from stair_inspector.viewer.display import REJECTED_COLOR
-from stair_inspector.viewer.markup import DIM, LINE, chip, mm, row_start, table_head, text, tidy
+from stair_inspector.viewer.markup import (
+    DIM,
+    LINE,
+    chip,
+    mm,
+    row_start,
+    set_script,
+    table_head,
+    text,
+    tidy,
+)
+from stair_inspector.viewer.units import Unit
 
 Columns = Literal["survey", "paper"]
 
@@ -31,10 +40,6 @@ _PAPER_COLUMNS = (
     ("RMS", "mm", "Root mean square distance of the points from their plane; it is not the accuracy"),
 )
 
-_WIDTH = 400
-_HEIGHT = 104
-_BASE = 80
-
 
 def columns_of(inspection: Inspection | None, wanted: Columns | None) -> Columns:
     """Return which columns the table has: those wanted if the result has them, else the survey's where it was made."""
@@ -49,8 +54,10 @@ def table_html(
     selected: int | None,
     pick_uuid: str | None,
     columns: Columns = "paper",
+    unit: Unit = "mm",
+    folded: frozenset[int] = frozenset(),
 ) -> str:
-    """Return the side table: a row for each step, millimetres and degrees.
+    """Return the side table: a row for each step; the paper's columns in millimetres and degrees.
 
     Parameters
     ----------
@@ -64,18 +71,27 @@ def table_html(
         Identity of the control that a click on a row writes to; None for rows that cannot be clicked.
     columns : {"survey", "paper"}
         The survey's values with their uncertainties, flight by flight; or the paper's, after a row for the floor.
+    unit : {"mm", "in"}
+        Of the survey's lengths.
+    folded : frozenset of int
+        Flights whose steps are not listed.
     """
-    names = survey_html.COLUMNS if columns == "survey" else _PAPER_COLUMNS
+    names: tuple[tuple[str, str, str], ...] = survey_html.COLUMNS if columns == "survey" else _PAPER_COLUMNS
+    if columns == "survey" and unit != "mm":
+        names = tuple((name, unit if of == "mm" else of, hint) for name, of, hint in names)
     rows = ""
     if inspection is not None and columns == "survey":
-        rows = survey_html.survey_rows(inspection, palette, selected, pick_uuid)
+        rows = survey_html.survey_rows(inspection, palette, selected, pick_uuid, unit, folded)
     elif inspection is not None:
         rows = _paper_rows(inspection, palette, selected, pick_uuid)
     if inspection is not None and not inspection.steps:
         rows += f'<tr><td colspan="{len(names)}" style="padding:10px 6px;color:{DIM}">No steps.</td></tr>'
     caption = ""
     if columns == "survey" and rows:
-        caption = "± is the expanded uncertainty, k = 2; rest on a value to see what it is made of."
+        caption = (
+            "± is the expanded uncertainty, k = 2; rest on a value to see what it is made of. Underlined: the "
+            "neighbours that differ most."
+        )
         caption = f'<div style="font-size:10.5px;color:{DIM};padding:3px 5px">{caption}</div>'
     return (
         f'<div data-testid="steps" data-columns="{columns}" class="si-results" '
@@ -86,56 +102,17 @@ def table_html(
     )
 
 
-def histogram_html(inspection: Inspection | None, palette: Palette) -> str:
-    """Return the height histogram with a band for each cluster and the reach eps_z to scale."""
-    if inspection is None or not len(inspection.profile.counts):
-        return f'<div data-testid="histogram" style="height:{_HEIGHT}px"></div>'
-    profile = inspection.profile
-    low, span = profile.low_m, profile.bin_m * len(profile.counts)
-    eps_m = inspection.params.levels.eps_m
-
-    def at(height_m: float) -> float:
-        return 8.0 + (height_m - low) / span * (_WIDTH - 16.0)
-
-    def band(level: Level) -> str:
-        # A sharp level is thinner than a pixel: it is widened about its middle to be seen.
-        width = max(5.0, at(level.high_m) - at(level.low_m))
-        left = (at(level.high_m) + at(level.low_m) - width) / 2.0
-        color = f"rgb{_color(level, palette, inspection)}"
-        return (
-            f'<g data-level="{level.level_id}"><title>{text(_band_title(level, inspection))}</title>'
-            f'<rect x="{left:.1f}" y="14" width="{width:.1f}" height="{_BASE - 14}" fill="{color}" opacity="0.4"/>'
-            f'<rect x="{left:.1f}" y="{_BASE}" width="{width:.1f}" height="5" fill="{color}"/></g>'
-        )
-
-    bands = "".join(band(level) for level in inspection.levels)
-    ticks = "".join(
-        f'<text x="{at(height):.1f}" y="{_HEIGHT - 6}" text-anchor="middle" font-size="10" '
-        f'fill="currentColor" opacity="0.75">{height:.{digits}f}</text>'
-        for digits, height in _ticks(low, span)
-    )
-    reach = max(1.0, at(low + eps_m) - at(low))
-    return (
-        '<div data-testid="histogram" class="si-results" style="padding:2px 8px 2px 0">'
-        f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" role="img" '
-        f'aria-label="Heights of points on horizontal surfaces; {len(inspection.levels)} clusters">'
-        '<text x="8" y="9" font-size="10" fill="currentColor" opacity="0.75">'
-        "points on horizontal surfaces by height [m], √ scale</text>"
-        f'<line x1="{_WIDTH - 8 - reach:.1f}" x2="{_WIDTH - 8}" y1="6" y2="6" stroke="currentColor" stroke-width="3"/>'
-        f'<text x="{_WIDTH - 12 - reach:.1f}" y="9" text-anchor="end" font-size="10" fill="currentColor" opacity="0.9">'
-        f"ε_z {eps_m * 1000.0:g} mm</text>"
-        f"{bands}<path d='{_outline(profile)}' fill='currentColor' opacity='0.72'/>{ticks}</svg></div>"
-    )
-
-
-def legend_html(palette: Palette) -> str:
-    """Return the legend of the scene."""
+def legend_html(palette: Palette, *, with_steps: bool = True) -> str:
+    """Return the legend of the scene's lines and, with ``with_steps``, of its points coloured by step."""
     steps = "".join(chip(color, 10) for color in palette.steps)
-    entries = [
+    points = [
         f"{chip(palette.floor)} floor",
         f"{steps} steps, in turn",
         f"{chip(palette.non_stair)} other, such as risers",
         f"{chip(REJECTED_COLOR)} rejected surfaces",
+    ]
+    entries = [
+        *(points if with_steps else ()),
         f"{chip(palette.front_edge, 16, 4)} front edge, nosing",
         f"{chip(palette.back_edge, 16, 4)} back edge",
         f"{chip(palette.side_edge, 16, 4)} side edges",
@@ -149,8 +126,18 @@ def legend_html(palette: Palette) -> str:
     )
 
 
-def state_html(inspection: Inspection | None, *, busy: str | None, error: str | None, is_stale: bool) -> str:
+def state_html(
+    inspection: Inspection | None,
+    *,
+    busy: str | None,
+    error: str | None,
+    is_stale: bool,
+    percent: float | None = None,
+    cancel_uuid: str | None = None,
+) -> str:
     """Return the line that says what is going on, and the sentence of an error.
+
+    The line and the bar below it are as high when nothing is computed: a slider must not move away under the pointer.
 
     Parameters
     ----------
@@ -162,6 +149,10 @@ def state_html(inspection: Inspection | None, *, busy: str | None, error: str | 
         Why the last request gave no result.
     is_stale : bool
         The result shown is not that of the present settings.
+    percent : float, optional
+        How far the computing is.
+    cancel_uuid : str, optional
+        Identity of the control that stops it.
     """
     if error is not None:
         badge = _badge("✕", "#e03131", "no result for these settings")
@@ -169,13 +160,19 @@ def state_html(inspection: Inspection | None, *, busy: str | None, error: str | 
         badge = _badge("◌", "#e8890c", busy)
     else:
         badge = _badge("●", "#2f9e44", "up to date")
-    lines = [f'<div data-testid="state" data-state="{_state(busy, error)}">{badge}{_headline(inspection)}</div>']
+    words = _headline(inspection, with_more=busy is None)
+    cancel = _cancel_html(cancel_uuid) if percent is not None and cancel_uuid is not None else ""
+    lines = [
+        f'<div data-testid="state" data-state="{_state(busy, error)}" style="display:flex;gap:5px;align-items:center;'
+        f'height:20px;white-space:nowrap">{badge}<span style="flex:1;overflow:hidden;text-overflow:ellipsis">{words}'
+        f"</span>{cancel}</div>{_progress_html(percent)}"
+    ]
     if error is not None:
         lines.append(f'<div data-testid="error" role="alert" style="color:#e03131;padding:3px 0">{text(error)}</div>')
     if is_stale and inspection is not None:
-        lines.append(
-            f'<div style="color:{DIM}">Shown dimmed: the last good result, with the settings named below it.</div>'
-        )
+        if error is not None:
+            words = "Shown dimmed: the last good result, with the settings named below it."
+            lines.append(f'<div style="color:{DIM}">{words}</div>')
         # Not part of any element's style: the table itself need not be sent again to be dimmed.
         lines.append("<style>.si-results{opacity:.45}</style>")
     style = "font-size:12px;line-height:1.4;padding:2px 9px 7px"
@@ -192,7 +189,7 @@ def details_html(inspection: Inspection | None) -> str:
     )
     if notes:
         lines.append(f'<ul data-testid="notes" style="margin:0 0 4px;padding-left:16px">{notes}</ul>')
-    lines.append(f'<div data-testid="used" style="color:{DIM}">{_used(inspection)}</div>')
+    lines.append(f'<div data-testid="used" style="color:{DIM}">{text(used_text(inspection))}</div>')
     lines.append(f'<div data-testid="timings" style="color:{DIM}">{_timings(inspection.timings_s)}</div>')
     return (
         '<div data-testid="details" class="si-results" style="font-size:11.5px;line-height:1.4;padding:2px 9px;'
@@ -223,7 +220,27 @@ def _badge(sign: str, color: str, words: str) -> str:
     return f'<b style="color:{color};white-space:nowrap"><span aria-hidden="true">{sign}</span> {text(words)}</b> '
 
 
-def _headline(inspection: Inspection | None) -> str:
+def _progress_html(percent: float | None) -> str:
+    """Return a thin bar, or the room for one."""
+    if percent is None:
+        return '<div style="height:4px"></div>'
+    return (
+        f'<div role="progressbar" aria-valuenow="{percent:.0f}" aria-valuemin="0" aria-valuemax="100" '
+        f'style="height:4px;border-radius:2px;background:{LINE}"><div style="height:4px;border-radius:2px;'
+        f'width:{percent:.0f}%;background:#e8890c"></div></div>'
+    )
+
+
+def _cancel_html(control_uuid: str) -> str:
+    script = text(set_script(control_uuid, True))
+    return (
+        f'<button type="button" title="Stop; the last good result stays" onclick="{script}" '
+        f'style="border:1px solid {LINE};border-radius:4px;background:none;color:inherit;font:inherit;padding:0 8px;'
+        'cursor:pointer">Cancel</button>'
+    )
+
+
+def _headline(inspection: Inspection | None, *, with_more: bool) -> str:
     if inspection is None:
         return ""
     n = len(inspection.steps)
@@ -232,10 +249,12 @@ def _headline(inspection: Inspection | None) -> str:
     n_flights = len(inspection.flights)
     flights = f" in {n_flights} flight{'' if n_flights == 1 else 's'}" if n_flights else ""
     steps = f"{n} step{'' if n == 1 else 's'}{flights}"
-    return f'<span data-testid="n-steps">· {steps}</span> · {total_ms:,.0f} ms{notes}'
+    more = f" · {total_ms:,.0f} ms{notes}" if with_more else ""
+    return f'<span data-testid="n-steps">· {steps}</span>{more}'
 
 
-def _used(inspection: Inspection) -> str:
+def used_text(inspection: Inspection) -> str:
+    """Return the settings that made a result, as one line of plain text."""
     params = inspection.params
     axes = inspection.axes.rule if inspection.axes is not None else "none"
     up = inspection.up
@@ -253,7 +272,7 @@ def _used(inspection: Inspection) -> str:
         f"unit {inspection.scan.unit}",
         *(_used_survey(params) if params.method == "survey" else ()),
     ]
-    return "used: " + " · ".join(text(part) for part in parts)
+    return "used: " + " · ".join(parts)
 
 
 def _used_survey(params: Params) -> list[str]:
@@ -320,54 +339,3 @@ def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str | 
         '<td style="padding:2px 6px;white-space:nowrap">'
         f"{chip(palette.of_step(step.step_id))} {step.step_id}</td>{body}</tr>"
     )
-
-
-def _steps_at(level: Level, inspection: Inspection) -> list[int]:
-    """Return the steps that lie in a height cluster; without the survey's surfaces a cluster is one step."""
-    if inspection.patches:
-        found = {patch.step_id for patch in inspection.patches if patch.level_id == level.level_id}
-        return sorted(step_id for step_id in found if step_id is not None)
-    return [level.level_id] if 1 <= level.level_id <= len(inspection.steps) else []
-
-
-def _color(level: Level, palette: Palette, inspection: Inspection) -> Rgb:
-    if level.kind == "floor":
-        return palette.floor
-    steps = _steps_at(level, inspection)
-    return palette.of_step(steps[0]) if steps else palette.non_stair
-
-
-def _band_title(level: Level, inspection: Inspection) -> str:
-    """Return what a cluster is: its height and thickness, the steps in it, or why it is none."""
-    name = "floor" if level.kind == "floor" else f"level {level.level_id}"
-    thick = (level.high_m - level.low_m) * 1000.0
-    place = f"{name}: {level.height_m:.3f} m, band of {thick:.0f} mm, {level.n_points:,} points"
-    steps = _steps_at(level, inspection)
-    what = f"; {level.kind}" if level.kind != "floor" else ""
-    what += f", step {', '.join(map(str, steps))}" if what and steps else ""
-    return place + what + (f": {level.reason}" if level.reason else "")
-
-
-def _outline(profile: HeightProfile) -> str:
-    """Return the path of the histogram, one column for each pixel, square-root scale."""
-    counts = profile.counts
-    n_columns = int(_WIDTH - 16)
-    # The sum over the bins of a column, so that no narrow peak falls between two pixels.
-    ends = np.linspace(0, len(counts), min(n_columns, len(counts)) + 1).astype(int)
-    columns = np.add.reduceat(counts, ends[:-1])
-    tall = np.sqrt(columns / max(1, columns.max())) * (_BASE - 16)
-    step = n_columns / len(columns)
-    points = [f"M8 {_BASE}"]
-    for index, height in enumerate(tall):
-        points.append(f"V{_BASE - height:.1f}H{8 + (index + 1) * step:.1f}")
-    return "".join(points) + f"V{_BASE}Z"
-
-
-def _ticks(low: float, span: float) -> list[tuple[int, float]]:
-    """Return about six round heights within the histogram with their number of decimals."""
-    wanted = span / 6.0
-    power = 10.0 ** np.floor(np.log10(wanted))
-    step = float(next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted))
-    digits = max(0, int(-np.floor(np.log10(step))))
-    first = np.ceil(low / step) * step
-    return [(digits, tidy(height, digits)) for height in np.arange(first, low + span, step)]

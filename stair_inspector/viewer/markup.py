@@ -2,6 +2,7 @@
 
 import html
 import json
+import math
 
 from stair_inspector.files.palettes import Rgb
 
@@ -12,6 +13,8 @@ _LEFT = "text-align:left;padding:3px 4px 3px 8px"
 _RIGHT = "text-align:right;padding:3px 4px"
 SURFACE = "surface"
 """Word before a surface's number, where a step has its number alone."""
+FLIGHT = "flight"
+"""Word before a flight's number."""
 
 
 def text(value: object) -> str:
@@ -27,6 +30,17 @@ def mm(value_m: float | None, digits: int = 1) -> str:
 def tidy(value: float, digits: int) -> float:
     """Return the value rounded, and zero without a sign."""
     return round(float(value), digits) + 0.0
+
+
+def round_ticks(low: float, span: float, n: float = 6.0) -> list[tuple[int, float]]:
+    """Return about ``n`` round numbers within a range that has a length, each with its number of decimals."""
+    wanted = span / n
+    power = 10.0 ** math.floor(math.log10(wanted))
+    step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted)
+    digits = max(0, -math.floor(math.log10(step)))
+    first = math.ceil(low / step)
+    last = math.ceil((low + span) / step)
+    return [(digits, tidy(k * step, digits)) for k in range(first, last)]
 
 
 def chip(color: Rgb, width: int = 11, height: int = 11) -> str:
@@ -75,6 +89,14 @@ def row_start(pick_uuid: str | None, number: int, word: str, *, is_selected: boo
     return (
         f'<tr data-testid="{kind}-row" data-{kind}="{number}" aria-selected="{"true" if is_selected else "false"}" '
         f'style="{style}"{click}>'
+    )
+
+
+def set_script(control_uuid: str, value: str | bool) -> str:
+    """Return the script of a button that sets a control of the page to a value, as if done there."""
+    return (
+        "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',uuid:"
+        f"{json.dumps(control_uuid)},updates:{{value:{json.dumps(value)}}}}})"
     )
 
 

@@ -11,9 +11,11 @@ import viser
 from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels
 from stair_inspector.model import Inspection
+from stair_inspector.viewer.coloring import step_colors
 from stair_inspector.viewer.dimensions import Anchor, Dimensions, Label
-from stair_inspector.viewer.display import REJECTED_COLOR, Display
+from stair_inspector.viewer.display import Display
 from stair_inspector.viewer.markup import SURFACE
+from stair_inspector.viewer.measuring import MeasureDrawing
 from stair_inspector.viewer.survey_html import MOST_REJECTED, rejected_of
 
 Mode = Literal["Raw", "Segmented", "Side by side"]
@@ -27,6 +29,10 @@ _GAP_SHARE = 0.25
 """Gap between the two clouds side by side, as a share of their width."""
 HIGHLIGHT: Rgb = (0, 214, 230)
 _GROUND_SHARE = 0.7
+MEASURED: Rgb = (230, 60, 140)
+"""Of what an inspector measured by hand: none of the hues of steps, edges and measuring lines."""
+_PICKED_POINTS = 2.6
+"""Diameter of a picked point, in those of the scan."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +62,7 @@ def draw(
     palette: Palette,
     *,
     with_rejected: bool = False,
+    colors: Colors | None = None,
 ) -> Drawing:
     """Return what is drawn of an inspection.
 
@@ -69,32 +76,29 @@ def draw(
         Colours of the page.
     with_rejected : bool
         Whether surfaces that are no part of the staircase have a colour of their own and, the largest, a name.
+    colors : (m, 3), optional
+        Of the displayed points; None colours them by step.
     """
-    labels = inspection.labels[display.point_ids]
-    # A rejected level is no step and is drawn as what is left over.
-    labels = np.where(labels > len(inspection.steps), -1, labels).astype(np.int16)
-    point_colors = palette.of_labels(labels)
     rejected = rejected_of(inspection) if with_rejected else []
-    if rejected and inspection.patch_ids is not None:
-        patch_ids = inspection.patch_ids[display.point_ids]
-        point_colors[np.isin(patch_ids, [patch.patch_id for patch in rejected])] = REJECTED_COLOR
-    edges, colors = [], []
+    if colors is None:
+        colors = step_colors(inspection, display, palette, with_rejected=with_rejected)
+    edges, edge_colors = [], []
     nosings = []
     for step in inspection.steps:
         lift = lift_of(display.spacing_m, step.plane.rms_m) * inspection.up.vector
         front_left, front_right, back_right, back_left = step.corners + lift
         edges += [(front_left, back_left), (front_right, back_right), (back_left, back_right)]
-        colors += [palette.side_edge, palette.side_edge, palette.back_edge]
+        edge_colors += [palette.side_edge, palette.side_edge, palette.back_edge]
         if step.nosing is not None:
             nosings.append(step.nosing + lift)
         else:
             edges.append((front_left, front_right))
-            colors.append(palette.front_edge)
+            edge_colors.append(palette.front_edge)
     centres = [scan_points[step.nearest_ids] for step in inspection.steps]
     return Drawing(
-        colors=point_colors,
+        colors=colors,
         edges=np.array(edges).reshape(-1, 2, 3),
-        edge_colors=np.array(colors, dtype=np.uint8).reshape(-1, 3),
+        edge_colors=np.array(edge_colors, dtype=np.uint8).reshape(-1, 3),
         nosings=np.array(nosings).reshape(-1, 2, 3),
         centres=np.concatenate(centres) if centres else np.zeros((0, 3)),
         corners=tuple(step.corners for step in inspection.steps),
@@ -189,6 +193,8 @@ class Stage:
     _step_names: tuple[str, ...] = ()
     _rejected: list[Any] = field(default_factory=list)
     _dimension_labels: list[Any] = field(default_factory=list)
+    _measure_labels: list[Any] = field(default_factory=list)
+    _is_cut: bool = False
 
     def show_scan(self, display: Display, rotation: Floats, point_size_m: float) -> None:
         """Replace everything by a scan, standing upright."""
@@ -229,6 +235,7 @@ class Stage:
                 point_shape="circle",
                 point_shading="flat",
                 precision="float32",
+                visible=not self._is_cut,
             )
         if self._step_names != drawing.labels:
             self._add_steps(drawing, on_pick)
@@ -253,6 +260,7 @@ class Stage:
                 point_shape="circle",
                 point_shading="flat",
                 precision="float32",
+                visible=not self._is_cut,
             )
         outline = np.zeros((0, 2, 3))
         if corners is not None:
@@ -280,17 +288,73 @@ class Stage:
         for (_, label), name in zip(self._per_step, self._step_names, strict=True):
             label.visible = name not in hidden
 
+    def set_colors(self, colors: Colors) -> None:
+        """Replace the colours (m, 3) of the segmentation's points; nothing else is sent again."""
+        if "/stair/segments/cloud" in self._nodes:
+            self._nodes["/stair/segments/cloud"].colors = colors
+
+    def show_section(self, points: Floats, colors: Colors, outline: Floats | None) -> None:
+        """Show a section instead of the clouds, or, with no outline, the clouds again.
+
+        Parameters
+        ----------
+        points, colors : (k, 3)
+            Of the section, local; perhaps none at all.
+        outline : (4, 3), optional
+            Corners of the section, local.
+        """
+        self._is_cut = outline is not None
+        if outline is None or not len(points):
+            self._remove("/stair/section/cloud")
+        else:
+            self._nodes["/stair/section/cloud"] = self.client.scene.add_point_cloud(
+                "/stair/section/cloud",
+                points.astype(np.float32),
+                colors,
+                point_size=self._nodes["/stair/raw"].point_size,
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+            )
+        lines = np.zeros((0, 2, 3)) if outline is None else np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
+        self._replace_lines("/stair/section/outline", lines, HIGHLIGHT, _ARROW_PIXELS)
+        self.set_mode(self.mode)
+
+    def show_measurements(self, drawing: MeasureDrawing | None) -> None:
+        """Draw what was measured by hand, or nothing; it stays when the result changes."""
+        nothing = np.zeros((0, 2, 3))
+        self._replace_lines("/stair/measured/lines", drawing.lines if drawing else nothing, MEASURED, _EDGE_PIXELS)
+        self._replace_lines("/stair/measured/legs", drawing.legs if drawing else nothing, MEASURED, _ARROW_PIXELS / 2.0)
+        if drawing is None or not len(drawing.points):
+            self._remove("/stair/measured/points")
+        else:
+            self._nodes["/stair/measured/points"] = self.client.scene.add_point_cloud(
+                "/stair/measured/points",
+                drawing.points.astype(np.float32),
+                MEASURED,
+                point_size=_PICKED_POINTS * self._nodes["/stair/raw"].point_size,
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+            )
+        labels = drawing.labels if drawing is not None else ()
+        self._measure_labels = self._replace_labels(
+            self._measure_labels,
+            [(f"/stair/measured/labels/{name}", words, place, "bottom-left") for name, words, place in labels],
+        )
+
     def set_mode(self, mode: Mode) -> None:
-        """Show the raw cloud, the segmentation, or both side by side."""
+        """Show the raw cloud, the segmentation, or both side by side; a section stands in for both clouds."""
         self.mode = mode
         if "stair" not in self._nodes:
             return
-        self._nodes["/stair/raw"].visible = mode != "Segmented"
+        self._nodes["/stair/raw"].visible = mode != "Segmented" and not self._is_cut
+        for name in ("/stair/segments/cloud", "/stair/segments/centres", "/stair/segments/selected"):
+            if name in self._nodes:
+                self._nodes[name].visible = not self._is_cut
         self._nodes["segments"].visible = mode != "Raw"
         # Along the view's x axis, given in the frame's own axes.
-        self._nodes["segments"].position = (
-            self._shift() * self.rotation[0] if mode == "Side by side" else (0.0, 0.0, 0.0)
-        )
+        self._nodes["segments"].position = self.shift_m() * self.rotation[0]
 
     def set_point_size(self, size_m: float) -> None:
         """Set the diameter of the points, metres."""
@@ -299,21 +363,37 @@ class Stage:
             ("/stair/segments/cloud", 1.0),
             ("/stair/segments/centres", 1.6),
             ("/stair/segments/selected", 1.7),
+            ("/stair/section/cloud", 1.0),
+            ("/stair/measured/points", _PICKED_POINTS),
         ):
             if name in self._nodes:
                 self._nodes[name].point_size = factor * size_m
 
+    @property
+    def point_size_m(self) -> float:
+        """Diameter of the points, metres; of a scan that is shown."""
+        return float(self._nodes["/stair/raw"].point_size)
+
     def visible_extent(self) -> Floats:
         """Return the corners (n, 3) of what the present mode shows, in the coordinates of the view."""
-        if self.mode != "Side by side":
+        shift_m = self.shift_m()
+        if shift_m == 0.0:
             return self.extent
-        return np.vstack([self.extent, self.extent + np.array([self._shift(), 0.0, 0.0])])
+        return np.vstack([self.extent, self.extent + np.array([shift_m, 0.0, 0.0])])
+
+    def shift_m(self) -> float:
+        """Return how far to the right the segmentation stands, metres; 0 unless it stands beside the raw cloud."""
+        if self.mode != "Side by side" or self._is_cut:
+            return 0.0
+        return float(np.ptp(self.extent[:, 0])) * (1.0 + _GAP_SHARE)
 
     def clear(self) -> None:
         """Remove everything."""
         self._remove_steps()
         self._rejected = self._replace_labels(self._rejected, [])
         self._dimension_labels = self._replace_labels(self._dimension_labels, [])
+        self._measure_labels = self._replace_labels(self._measure_labels, [])
+        self._is_cut = False
         for name in list(self._nodes)[::-1]:
             self._remove(name)
 
@@ -347,10 +427,6 @@ class Stage:
             plate.remove()
             label.remove()
         self._per_step, self._step_names = [], ()
-
-    def _shift(self) -> float:
-        width = float(np.ptp(self.extent[:, 0]))
-        return width * (1.0 + _GAP_SHARE)
 
     def _replace_labels(self, old: list[Any], labels: list[tuple[str, str, Floats, Any]]) -> list[Any]:
         """Replace labels by others, given as node name, text, place and anchor; return their nodes."""

@@ -4,7 +4,17 @@ import math
 
 from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.model import Flight, Inspection, Measured, Note, Patch, Statistics, Step
-from stair_inspector.viewer.markup import DIM, LINE, SURFACE, chip, mm, row_start, table_head, text, tidy
+from stair_inspector.viewer.markup import DIM, FLIGHT, LINE, SURFACE, chip, mm, pick_script, row_start, table_head, text
+from stair_inspector.viewer.units import (
+    Shown,
+    Unit,
+    length_text,
+    measured_text,
+    number_text,
+    parts_text,
+    u_text,
+    uncertainty_text,
+)
 
 MOST_REJECTED = 30
 """Rejected surfaces that are listed and named in the scene, the largest; a cluttered scan has hundreds."""
@@ -23,6 +33,8 @@ COLUMNS = (
     ("pitch", "°", "Angle of the line from this nosing to the next"),
     ("cov.", "", "Coverage: share of the tread that has points"),
 )
+_WORST = "#e8590c"
+"""Underlines the two neighbours in a flight that differ most."""
 _CELL = "text-align:right;padding:2px 3px;white-space:nowrap"
 _REJECTED_COLUMNS = (
     ("surface", "", "Number of the surface, and its colour in the scene"),
@@ -32,19 +44,31 @@ _REJECTED_COLUMNS = (
 )
 
 
-def survey_rows(inspection: Inspection, palette: Palette, selected: int | None, pick_uuid: str | None) -> str:
-    """Return the rows of the survey's table: for each flight its headline, then a row for each step."""
+def survey_rows(
+    inspection: Inspection,
+    palette: Palette,
+    selected: int | None,
+    pick_uuid: str | None,
+    unit: Unit = "mm",
+    folded: frozenset[int] = frozenset(),
+) -> str:
+    """Return the rows of the survey's table: for each flight its headline, then, unless folded, a row for each step."""
     rows = []
     for flight, steps in _by_flight(inspection):
+        is_folded = flight is not None and flight.flight_id in folded
         if flight is not None:
-            rows.append(_flight_row(flight))
+            rows.append(_flight_row(flight, unit, pick_uuid, is_folded=is_folded))
         elif inspection.flights:
             rows.append(_headline_row("In no flight", "", ""))
-        rows += [_step_row(inspection, step, palette, step.step_id == selected, pick_uuid) for step in steps]
+        if not is_folded:
+            worst = _worst_of(flight)
+            rows += [
+                _step_row(inspection, step, palette, step.step_id == selected, pick_uuid, unit, worst) for step in steps
+            ]
     return "".join(rows)
 
 
-def card_html(inspection: Inspection | None, selected: int | None, palette: Palette) -> str:
+def card_html(inspection: Inspection | None, selected: int | None, palette: Palette, unit: Unit = "mm") -> str:
     """Return everything the survey knows of the chosen step; empty for none, and where no survey has been made."""
     step = step_of(inspection, selected)
     if inspection is None or step is None or not inspection.flights:
@@ -58,7 +82,7 @@ def card_html(inspection: Inspection | None, selected: int | None, palette: Pale
         f'padding:6px 9px;border:1px solid {LINE};border-radius:5px;font-variant-numeric:tabular-nums">'
         f"<b>{chip(palette.of_step(step.step_id))} Step {step.step_id}</b>"
         f'<span style="color:{DIM}"> · {text(step.kind)}{flight}</span>'
-        f"{_lines_table(inspection, step)}{_facts(inspection, step)}{told}</div>"
+        f"{_lines_table(inspection, step, unit)}{_facts(inspection, step, unit)}{told}</div>"
     )
 
 
@@ -119,25 +143,6 @@ def notes_of(inspection: Inspection, step_id: int) -> list[Note]:
     return [note for note in inspection.notes if note.step == step_id]
 
 
-def u_text(u: float) -> str:
-    """Return an uncertainty, millimetres or degrees, with the digits that mean something; never a zero that is none."""
-    if u == 0.0 or u >= 9.95:
-        return f"{u:.0f}"
-    return f"{u:.1f}" if u >= 0.095 else f"{max(u, 0.01):.2f}"
-
-
-def measured_text(measured: Measured, unit: str, digits: int = 1) -> str:
-    """Return ``170.1 ± 0.4 mm``; ``unit`` is ``mm`` for a value in metres, or ``°``."""
-    value, u = _shown(measured.value, unit), _shown(measured.u, unit)
-    return f"{tidy(value, digits):.{digits}f} ± {u_text(u)}{unit if unit == '°' else ' ' + unit}"
-
-
-def parts_text(measured: Measured, unit: str) -> str:
-    """Return what an uncertainty is made of: ``noise 0.2, edge 0.3, up 0.1 mm``."""
-    parts = ", ".join(f"{name} {u_text(_shown(u, unit))}" for name, u in measured.parts)
-    return f"{parts}{unit if unit == '°' else ' ' + unit}" if parts else "parts not stated"
-
-
 def flight_text(flight: Flight) -> str:
     """Return a flight's headline: ``Flight 1 · 9 risers · pitch 31.2° ± 0.3``."""
     parts = [f"Flight {flight.flight_id}"]
@@ -149,18 +154,25 @@ def flight_text(flight: Flight) -> str:
     return " · ".join(parts)
 
 
-def range_text(name: str, statistics: Statistics | None) -> str:
+def range_text(name: str, statistics: Statistics | None, unit: Unit = "mm") -> str:
     """Return how even a flight is: ``rise 168.0–171.2, largest step to step 3.1 mm (4→5)``."""
     if statistics is None:
         return ""
-    words = f"{name} {mm(statistics.min)}–{mm(statistics.max)}"
+    words = f"{name} {number_text(statistics.min, unit)}–{number_text(statistics.max, unit)}"
     if statistics.max_adjacent is None or statistics.at is None:
-        return f"{words} mm"
-    return f"{words}, largest step to step {mm(statistics.max_adjacent)} mm ({statistics.at[0]}→{statistics.at[1]})"
+        return f"{words} {unit}"
+    return f"{words}, {_worst_words(statistics, unit)}"
 
 
-def _shown(value: float, unit: str) -> float:
-    return value * 1000.0 if unit == "mm" else value
+def _worst_words(statistics: Statistics, unit: Unit) -> str:
+    low, high = statistics.at or (0, 0)
+    return f"largest step to step {length_text(statistics.max_adjacent, unit)} ({low}→{high})"
+
+
+def _worst_of(flight: Flight | None) -> dict[str, Statistics]:
+    """Return for rise and going the statistics that name the two neighbours which differ most."""
+    found = {"rise": flight.rise, "going": flight.going} if flight is not None else {}
+    return {name: each for name, each in found.items() if each is not None and each.at is not None}
 
 
 def _by_flight(inspection: Inspection) -> list[tuple[Flight | None, list[Step]]]:
@@ -174,36 +186,59 @@ def _by_flight(inspection: Inspection) -> list[tuple[Flight | None, list[Step]]]
     return [*groups, (None, rest)] if rest else groups
 
 
-def _flight_row(flight: Flight) -> str:
-    rise, going = range_text("rise", flight.rise), range_text("going", flight.going)
-    width = f"width {measured_text(flight.width_m, 'mm')}" if flight.width_m is not None else ""
-    hint = "; ".join(part for part in (_mean("rise", flight.rise), going, _mean("going", flight.going), width) if part)
-    return _headline_row(flight_text(flight), rise, hint, flight.flight_id)
+def _flight_row(flight: Flight, unit: Unit, pick_uuid: str | None, *, is_folded: bool) -> str:
+    rise, going = range_text("rise", flight.rise, unit), range_text("going", flight.going, unit)
+    width = f"width {measured_text(flight.width_m, unit)}" if flight.width_m is not None else ""
+    means = (_mean("rise", flight.rise, unit), going, _mean("going", flight.going, unit))
+    hint = "; ".join(part for part in (*means, width) if part)
+    fold = ""
+    if pick_uuid is not None:
+        script = text(pick_script(pick_uuid, flight.flight_id, FLIGHT))
+        words = f"{'unfold' if is_folded else 'fold'} flight {flight.flight_id}"
+        fold = (
+            f'<button type="button" data-testid="fold" aria-expanded="{"false" if is_folded else "true"}" '
+            f'aria-label="{words}" title="{words}" onclick="{script}" style="border:0;background:none;'
+            f'padding:0 4px 0 0;cursor:pointer;color:inherit;font-size:11px">{"▸" if is_folded else "▾"}</button>'
+        )
+    return _headline_row(flight_text(flight), rise, hint, flight.flight_id, fold)
 
 
-def _headline_row(title: str, more: str, hint: str, flight_id: int | None = None) -> str:
+def _headline_row(title: str, more: str, hint: str, flight_id: int | None = None, fold: str = "") -> str:
     more = f' <span style="font-weight:400;color:{DIM}">· {text(more)}</span>' if more else ""
     return (
         f'<tr data-testid="flight-row" data-flight="{"" if flight_id is None else flight_id}">'
         f'<td colspan="{len(COLUMNS)}" title="{text(hint)}" style="padding:5px 5px 2px;font-size:11px;line-height:1.3;'
-        f'font-weight:600;border-bottom:1px solid {LINE}">{text(title)}{more}</td></tr>'
+        f'font-weight:600;border-bottom:1px solid {LINE}">{fold}{text(title)}{more}</td></tr>'
     )
 
 
-def _mean(name: str, statistics: Statistics | None) -> str:
-    return "" if statistics is None else f"mean {name} of {statistics.n}: {mm(statistics.mean)} mm"
+def _mean(name: str, statistics: Statistics | None, unit: Unit) -> str:
+    return "" if statistics is None else f"mean {name} of {statistics.n}: {length_text(statistics.mean, unit)}"
 
 
-def _step_row(inspection: Inspection, step: Step, palette: Palette, is_selected: bool, pick_uuid: str | None) -> str:
+def _step_row(
+    inspection: Inspection,
+    step: Step,
+    palette: Palette,
+    is_selected: bool,
+    pick_uuid: str | None,
+    unit: Unit,
+    worst: dict[str, Statistics],
+) -> str:
+    def worst_words(name: str) -> str:
+        statistics = worst.get(name)
+        is_worst = statistics is not None and step.step_id in (statistics.at or ())
+        return f"the {name}'s {_worst_words(statistics, unit)}" if statistics is not None and is_worst else ""
+
     cells = [
-        _cell(step.rise_m, "mm", _why(inspection, step, "rise")),
-        _cell(step.going_m, "mm", _why(inspection, step, "going")),
-        _cell(step.tread_depth_m, "mm", _why(inspection, step, "depth")),
-        _cell(step.width_m, "mm", _why(inspection, step, "width")),
+        _cell(step.rise_m, unit, _why(inspection, step, "rise"), ("rise", worst_words("rise"))),
+        _cell(step.going_m, unit, _why(inspection, step, "going"), ("going", worst_words("going"))),
+        _cell(step.tread_depth_m, unit, _why(inspection, step, "depth")),
+        _cell(step.width_m, unit, _why(inspection, step, "width")),
         _cell(step.pitch_deg, "°", _why(inspection, step, "pitch")),
         f'<td style="{_CELL}">{_coverage(step.coverage, _why(inspection, step, "coverage"))}</td>',
     ]
-    name = f'<div style="font-size:10px;color:{DIM}">landing</div>' if step.kind == "landing" else ""
+    name = f' <div style="font-size:10px;color:{DIM}">landing</div>' if step.kind == "landing" else ""
     return (
         f"{row_start(pick_uuid, step.step_id, '', is_selected=is_selected)}"
         '<td style="padding:2px 4px;white-space:nowrap">'
@@ -212,16 +247,26 @@ def _step_row(inspection: Inspection, step: Step, palette: Palette, is_selected:
     )
 
 
-def _cell(measured: Measured | None, unit: str, why: str) -> str:
-    """Return a cell: the value, smaller its uncertainty, in the tooltip the uncertainty's parts."""
-    # The same room with and without an uncertainty, so that the values stand under each other.
-    small = f' <span style="display:inline-block;min-width:2.2em;text-align:left;font-size:10px;color:{DIM};'
-    small += 'font-weight:400">'
+def _cell(measured: Measured | None, unit: Shown, why: str, worst: tuple[str, str] = ("", "")) -> str:
+    """Return a cell: the value, smaller its uncertainty, in the tooltip the uncertainty's parts.
+
+    ``worst`` is the quantity's name and the words why this value stands out, empty for one that does not.
+    """
+    # The same room with and without an uncertainty, so that the values stand under each other. Fractions of inches
+    # leave no room beside them: there it stands below.
+    place = "display:block" if unit == "in" else "display:inline-block;min-width:2.2em;text-align:left"
+    small = f' <span style="{place};font-size:10px;color:{DIM};font-weight:400">'
     if measured is None:
         return f'<td title="{text(why)}" style="{_CELL}">–{small}</span></td>'
     hint = f"{measured_text(measured, unit)} (k = 2): {parts_text(measured, unit)}"
-    value, u = _shown(measured.value, unit), _shown(measured.u, unit)
-    return f'<td title="{text(hint)}" style="{_CELL}">{tidy(value, 1):.1f}{small}±{u_text(u)}</span></td>'
+    value, u = number_text(measured.value, unit), uncertainty_text(measured.u, unit)
+    name, words = worst
+    if words:
+        value = (
+            f'<span data-testid="worst-{name}" title="{text(words)}" '
+            f'style="border-bottom:2px solid {_WORST}">{value}</span>'
+        )
+    return f'<td title="{text(hint)}" style="{_CELL}">{value}{small}±{u}</span></td>'
 
 
 def _why(inspection: Inspection, step: Step, quantity: str) -> str:
@@ -262,7 +307,7 @@ def _coverage(share: float | None, why: str) -> str:
     )
 
 
-def _lines_table(inspection: Inspection, step: Step) -> str:
+def _lines_table(inspection: Inspection, step: Step, unit: Unit) -> str:
     """Return rise and going on the three measuring lines, the centre with its uncertainty."""
     head = "".join(
         f'<th style="text-align:right;font-weight:400;color:{DIM};padding:2px 0 0 10px">{name}</th>'
@@ -275,13 +320,13 @@ def _lines_table(inspection: Inspection, step: Step) -> str:
     ):
         why = _why(inspection, step, name)
         left, _, right = lcr if lcr is not None else (None, None, None)
-        _, centre, hint = _fact(name, measured, "mm", why)
+        _, centre, hint = _fact(name, measured, unit, why)
         cells = "".join(
             f'<td style="text-align:right;padding-left:10px" title="{text(title)}">{value}</td>'
             for value, title in (
-                (mm(left), why if left is None else "mm"),
+                (number_text(left, unit), why if left is None else unit),
                 (centre, hint),
-                (mm(right), why if right is None else "mm"),
+                (number_text(right, unit), why if right is None else unit),
             )
         )
         rows.append(f'<tr data-testid="card-{name}"><td style="color:{DIM}">{name}</td>{cells}</tr>')
@@ -291,14 +336,14 @@ def _lines_table(inspection: Inspection, step: Step) -> str:
     )
 
 
-def _facts(inspection: Inspection, step: Step) -> str:
+def _facts(inspection: Inspection, step: Step, unit: Unit) -> str:
     """Return the other values as pairs of name and value, two to a line."""
     coverage = "–" if step.coverage is None else f"{100.0 * step.coverage:.0f} %"
     rms = "–" if step.plane.rms_m is None else f"{mm(step.plane.rms_m, 2)} mm"
     facts = [
-        _fact("tread depth", step.tread_depth_m, "mm", _why(inspection, step, "depth")),
-        _fact("overhang", step.nosing_overhang_m, "mm", _why(inspection, step, "overhang")),
-        _fact("width", step.width_m, "mm", _why(inspection, step, "width")),
+        _fact("tread depth", step.tread_depth_m, unit, _why(inspection, step, "depth")),
+        _fact("overhang", step.nosing_overhang_m, unit, _why(inspection, step, "overhang")),
+        _fact("width", step.width_m, unit, _why(inspection, step, "width")),
         _fact("pitch", step.pitch_deg, "°", _why(inspection, step, "pitch")),
         _fact("fall", step.fall_deg, "°", _why(inspection, step, "fall"), 2),
         _fact("cross-fall", step.cross_fall_deg, "°", _why(inspection, step, "fall"), 2),
@@ -317,7 +362,7 @@ def _facts(inspection: Inspection, step: Step) -> str:
     )
 
 
-def _fact(name: str, measured: Measured | None, unit: str, why: str, digits: int = 1) -> tuple[str, str, str]:
+def _fact(name: str, measured: Measured | None, unit: Shown, why: str, digits: int = 1) -> tuple[str, str, str]:
     if measured is None:
         return name, "–", why
     return name, measured_text(measured, unit, digits), parts_text(measured, unit)

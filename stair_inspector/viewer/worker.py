@@ -7,6 +7,7 @@ import signal
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -21,9 +22,19 @@ from stair_inspector.params import Unit
 
 R = TypeVar("R")
 
+_LOOK_S = 0.05
+"""How often a waiting inspector is asked whether the result is still wanted."""
 _SCANS_KEPT = 4
 _RESULTS_KEPT = 8
 """Normals and floors kept for all inspectors together; 24 bytes a point each."""
+
+
+class Cancelled(Exception):
+    """Nobody waits any longer for what was being computed; no error, since somebody asked for it."""
+
+
+def _always() -> bool:
+    return True
 
 
 class Newest(Generic[R]):
@@ -77,6 +88,42 @@ class Newest(Generic[R]):
             self._function(request)
 
 
+class Settle:
+    """Call a function once nothing has been touched for a while; ``function`` must not raise."""
+
+    def __init__(self, function: Callable[[], None], quiet_s: float, name: str) -> None:
+        self._function = function
+        self._quiet_s = quiet_s
+        self._condition = threading.Condition()
+        self._is_touched = self._is_closed = False
+        threading.Thread(target=self._loop, name=name, daemon=True).start()
+
+    def touch(self) -> None:
+        """Tell that something has changed."""
+        with self._condition:
+            self._is_touched = True
+            self._condition.notify()
+
+    def close(self) -> None:
+        """End the thread; what was touched last is not called for."""
+        with self._condition:
+            self._is_closed = True
+            self._condition.notify()
+
+    def _loop(self) -> None:
+        while True:
+            with self._condition:
+                while not self._is_touched and not self._is_closed:
+                    self._condition.wait()
+                # Each touch begins the quiet anew.
+                while self._is_touched and not self._is_closed:
+                    self._is_touched = False
+                    self._condition.wait(self._quiet_s)
+                if self._is_closed:
+                    return
+            self._function()
+
+
 class HeavyProcess:
     """One long-lived process that runs functions which hold the interpreter's lock for seconds.
 
@@ -90,8 +137,16 @@ class HeavyProcess:
         self._is_closed = False
         self._start()
 
-    def run(self, function: Callable[..., Any], *inputs: object) -> Any:
+    def run(self, function: Callable[..., Any], *inputs: object, is_wanted: Callable[[], bool] = _always) -> Any:
         """Return ``function(*inputs)``, run in the process; inputs and result are copied.
+
+        Parameters
+        ----------
+        function, inputs
+            As they can be sent to another process.
+        is_wanted : callable
+            Asked again and again. When it returns False the process is ended and a new one started: nothing else stops
+            a library in the middle of a call.
 
         Raises
         ------
@@ -99,19 +154,24 @@ class HeavyProcess:
             What the function raised.
         CannotMeasure
             The process died, most likely for want of memory. A new one is started.
+        Cancelled
+            It was no longer wanted.
         """
         with self._lock:
+            if not is_wanted():
+                raise Cancelled
             if not self._is_closed and not self._process.is_alive():
                 # It died while idle, for whatever reason; nothing is lost.
                 self._start()
             try:
                 self._pipe.send((function, inputs))
+                while not self._pipe.poll(_LOOK_S):
+                    if not is_wanted():
+                        self._restart()
+                        raise Cancelled
                 outcome, value = self._pipe.recv()
             except (EOFError, BrokenPipeError, ConnectionResetError, OSError) as error:
-                if not self._is_closed:
-                    self.close()
-                    self._is_closed = False
-                    self._start()
+                self._restart()
                 raise CannotMeasure(
                     "the computing process ended unexpectedly, most likely for want of memory; "
                     "try again, or use a thinned scan"
@@ -126,6 +186,12 @@ class HeavyProcess:
         self._process.terminate()
         self._process.join(timeout=5.0)
         self._pipe.close()
+
+    def _restart(self) -> None:
+        if not self._is_closed:
+            self.close()
+            self._is_closed = False
+            self._start()
 
     def _start(self) -> None:
         self._pipe, far_end = self._context.Pipe()
@@ -180,13 +246,15 @@ class Workshop:
         self._stamps: dict[tuple[Path, Unit], tuple[int, ...]] = {}
         self._results = _Cache(_RESULTS_KEPT)
 
-    def read(self, path: Path, unit: Unit) -> Scan:
+    def read(self, path: Path, unit: Unit, is_wanted: Callable[[], bool] = _always) -> Scan:
         """Read a scan, or return it if it has been read and the file has not changed.
 
         Raises
         ------
         ReadError
             As :func:`stair_inspector.files.scans.read_scan`.
+        Cancelled
+            It is no longer wanted.
         """
         try:
             status = path.stat()
@@ -195,13 +263,12 @@ class Workshop:
             # The file is gone; what has been read of it can still be measured.
             stamp = self._stamps.get((path, unit), ())
         self._stamps[path, unit] = stamp
-        scan: Scan = self._scans.get((path, unit, stamp), lambda: self._process.run(read_scan, path, unit))
+        scan: Scan = self._scans.get((path, unit, stamp), partial(self._process.run, read_scan, path, unit), is_wanted)
         return scan
 
-    def heavy(self, function: Callable[..., Any], *inputs: object) -> Any:
+    def heavy(self, function: Callable[..., Any], *inputs: object, is_wanted: Callable[[], bool] = _always) -> Any:
         """Run a pipeline stage in the heavy process, or return its earlier result; see ``pipeline.Memo``."""
-        key = (function, *inputs)
-        return self._results.get(key, lambda: self._process.run(function, *inputs))
+        return self._results.get((function, *inputs), partial(self._process.run, function, *inputs), is_wanted)
 
     def close(self) -> None:
         """End the heavy process."""
@@ -209,29 +276,69 @@ class Workshop:
 
 
 class _Cache:
-    """The most recent results by key; a second asker waits for the first."""
+    """The most recent results by key.
+
+    Who asks for what is being made waits for it. It is made on a thread of its own, because whoever asked first may be
+    the first to leave; when all have left, it is stopped.
+    """
 
     def __init__(self, size: int) -> None:
         self._size = size
         self._lock = threading.Lock()
         self._entries: OrderedDict[Hashable, _Entry] = OrderedDict()
 
-    def get(self, key: Hashable, make: Callable[[], Any]) -> Any:
+    def get(self, key: Hashable, make: Callable[..., Any], is_wanted: Callable[[], bool]) -> Any:
+        """Return ``make(is_wanted=...)``, kept.
+
+        Raises
+        ------
+        Cancelled
+            ``is_wanted`` returned False before it was there.
+        """
+        entry = self._join(key, make)
+        try:
+            while not entry.is_done.wait(_LOOK_S):
+                if not is_wanted():
+                    raise Cancelled
+        finally:
+            with self._lock:
+                entry.n_waiting -= 1
+        if entry.error is not None:
+            raise entry.error
+        return entry.value
+
+    def _join(self, key: Hashable, make: Callable[..., Any]) -> "_Entry":
+        is_new = False
         with self._lock:
-            entry = self._entries.setdefault(key, _Entry())
+            entry = self._entries.get(key)
+            # What the last of those who waited has just left is being stopped.
+            if entry is None or (entry.n_waiting == 0 and not entry.is_done.is_set()):
+                entry = self._entries[key] = _Entry()
+                is_new = True
+            entry.n_waiting += 1
             self._entries.move_to_end(key)
             while len(self._entries) > self._size:
                 self._entries.popitem(last=False)
-        with entry.lock:
-            if not entry.is_made:
+        if is_new:
+            threading.Thread(target=self._make, args=(key, entry, make), name="stair-cache", daemon=True).start()
+        return entry
+
+    def _make(self, key: Hashable, entry: "_Entry", make: Callable[..., Any]) -> None:
+        try:
+            entry.value = make(is_wanted=lambda: entry.n_waiting > 0)
+        except Exception as error:  # noqa: BLE001 - handed on to everybody who waits
+            entry.error = error
+            with self._lock:
                 # A failure is not kept: the file may be mended.
-                entry.value = make()
-                entry.is_made = True
-            return entry.value
+                if self._entries.get(key) is entry:
+                    del self._entries[key]
+        finally:
+            entry.is_done.set()
 
 
 class _Entry:
     def __init__(self) -> None:
-        self.lock = threading.Lock()
-        self.is_made = False
+        self.is_done = threading.Event()
+        self.n_waiting = 0
         self.value: Any = None
+        self.error: BaseException | None = None

@@ -67,7 +67,7 @@ def measured(scans):
 def app(scans):
     from stair_inspector.viewer.app import App
 
-    app = App(scans, Params(), port=0)
+    app = App(scans, Params(), port=0, saves_projects=False)
     yield app
     app.stop()
 

@@ -27,9 +27,11 @@ THROTTLE_MS = 80
 """viser sends one edit of a panel in 50 ms and forgets the one before: two edits must be farther apart."""
 PRESET = ("survey", "θ_th 15°", "ε_z 20 mm", "m 50 ", "α 95/5 ", "sides 99 ", "k 30 ", "axes auto", ") floor", "unit m")
 """What the page says of the settings that every page begins with."""
-VIEW_PANEL = (160, 375)
-"""Height and width of the corner that the View panel takes up, pixels."""
+VIEW_PANEL = (40, 820)
+"""Height and width of the corner that the toolbar over the scene takes up, pixels."""
 _KNOWN_NOISE = ("THREE.Clock",)
+_FIRST_OF = {"Steps": "steps-table", "Tune": "histogram"}
+"""What tells that a tab shows its content."""
 _READY = """([used, state]) => {
     const text = (id) => document.querySelector(`[data-testid=${id}]`)?.innerText ?? '';
     const now = document.querySelector('[data-testid=state]')?.dataset.state;
@@ -113,6 +115,10 @@ class InspectorPage:
         self.await_result()
         self.close_notifications()
         self.home = self.still_camera()
+        # A tab has no content before it is opened, and keeps it afterwards.
+        for name in ("Steps", "Tune"):
+            self.tab(name)
+            self.by_id(_FIRST_OF[name]).first.wait_for()
         return self
 
     def close(self):
@@ -146,12 +152,14 @@ class InspectorPage:
         return [[cells[0].split()[0], *(read(cell) for cell in cells[1:6])] for cells in rows]
 
     def await_columns(self, columns):
-        self.page.locator(f"[data-testid=steps][data-columns={columns}]").wait_for()
+        self.page.locator(f"[data-testid=steps][data-columns={columns}]").wait_for(state="attached")
 
     def choose_columns(self, columns):
-        """Show the survey's or the paper's columns."""
+        """Show the survey's or the paper's columns, and come back to the Tune tab."""
+        self.tab("Steps")
         click_at_once(self.page.get_by_role("button", name=columns.capitalize(), exact=True))
         self.await_columns(columns)
+        self.tab("Tune")
 
     def selected_rows(self):
         return [
@@ -171,7 +179,7 @@ class InspectorPage:
         return float(self.by_id("steps").evaluate("(element) => getComputedStyle(element).opacity"))
 
     def picture(self):
-        """The scene as it is on the screen, (h, w, 3), black where the View panel with its buttons floats on it."""
+        """The scene as it is on the screen, (h, w, 3), black where the toolbar lies on it."""
         picture = np.array(Image.open(io.BytesIO(self.canvas.screenshot())).convert("RGB")).astype(int)
         picture[: VIEW_PANEL[0], : VIEW_PANEL[1]] = 0
         return picture
@@ -252,7 +260,10 @@ class InspectorPage:
     # Doing.
 
     def tab(self, name):
-        self.page.get_by_role("tab", name=name, exact=True).click()
+        """Go to a tab of the panel, unless it is there."""
+        tab = self.page.get_by_role("tab", name=name, exact=True)
+        if tab.get_attribute("aria-selected") != "true":
+            tab.click()
 
     def control(self, label):
         """The row of the control with a label."""
@@ -263,6 +274,7 @@ class InspectorPage:
         return self.page.get_by_text(label, exact=True).and_(self.page.locator("label")).first.get_attribute("for")
 
     def press(self, label, key, times=1):
+        self.tab("Tune")
         slider = self.control(label).get_by_role("slider")
         slider.focus()
         for _ in range(times):
@@ -271,18 +283,25 @@ class InspectorPage:
 
     def type_number(self, label, number):
         """Write into the number box beside a slider, as typing does: without leaving the box."""
+        self.tab("Tune")
         # The box is the slider's neighbour in the row.
         box = self.control(label).locator("xpath=ancestor::*[.//input[contains(@class,'NumberInput-input')]][1]")
         box.locator("input.mantine-NumberInput-input").first.fill(str(number))
         self.page.wait_for_timeout(THROTTLE_MS)
 
     def slider_value(self, label):
+        self.tab("Tune")
         return float(self.control(label).get_by_role("slider").get_attribute("aria-valuenow"))
 
     def choose(self, label, option):
         self.page.get_by_label(label, exact=True).first.click()
         self.page.get_by_role("option", name=option, exact=True).click()
         self.page.wait_for_timeout(THROTTLE_MS)
+
+    def hotkey(self, key):
+        """Press a key that means a command: no field may have the focus."""
+        self.page.evaluate("() => document.activeElement && document.activeElement.blur()")
+        self.page.keyboard.press(key)
 
     def send(self, uuid, value):
         """Send a value as no control of the page would."""
@@ -293,11 +312,12 @@ class InspectorPage:
         self.page.wait_for_timeout(THROTTLE_MS)
 
     def show(self, button):
-        """Press a button of the View panel."""
+        """Press a button of the toolbar over the scene."""
         self.is_scene_touched = True
-        self.page.get_by_role("button", name=button, exact=True).click()
+        self.by_id("toolbar").get_by_role("button", name=button, exact=True).click()
 
     def click_row(self, step):
+        self.tab("Steps")
         self.page.locator(f"[data-testid=step-row][data-step='{step}']").click()
 
     def tidy(self):
@@ -305,23 +325,24 @@ class InspectorPage:
         self.page.keyboard.press("Escape")
         self.close_notifications()
         self.tab("Tune")
-        # Only if it will show: a reset that is still under way would undo the next test's first edit.
-        if not self.page.evaluate(_READY, [list(PRESET), "ready"]):
-            click_at_once(self.page.get_by_role("button", name="Reset to preset"))
-        if self.page.get_by_label("Dark theme").is_checked():
-            click_at_once(self.page.get_by_label("Dark theme"))
-        if self.is_scene_touched:
-            for name in ("Segmented", "Home"):
-                click_at_once(self.page.get_by_role("button", name=name, exact=True))
-                self.page.wait_for_timeout(THROTTLE_MS)
-            self.await_camera(self.home)
-            self.is_scene_touched = False
         if not self.text("scan").startswith("stair.ply"):
             self.tab("Scan")
             self.choose("Scan", "stair.ply")
             self.page.locator("[data-testid=scan]", has_text="stair.ply").wait_for()
             self.tab("Tune")
+        # Only if it will show: a reset that is still under way would undo the next test's first edit.
+        if not self.page.evaluate(_READY, [list(PRESET), "ready"]):
+            self.hotkey("Shift+R")
+        if self.page.get_by_label("Dark theme").is_checked():
+            click_at_once(self.page.get_by_label("Dark theme"))
+        if self.is_scene_touched:
+            for name in ("Segmented", "Home"):
+                click_at_once(self.by_id("toolbar").get_by_role("button", name=name, exact=True))
+                self.page.wait_for_timeout(THROTTLE_MS)
+            self.await_camera(self.home)
+            self.is_scene_touched = False
         self.await_result(*PRESET)
+        self.tab("Steps")
         if self.page.get_by_label("Show rejected surfaces").is_checked():
             click_at_once(self.page.get_by_label("Show rejected surfaces"))
         if self.by_id("steps").get_attribute("data-columns") != "survey":
@@ -329,11 +350,12 @@ class InspectorPage:
         for step in self.selected_rows():
             click_at_once(self.page.locator(f"[data-testid=step-row][data-step='{step}']"))
         self.await_selection()
+        self.tab("Tune")
 
-    def download(self, kind):
+    def download(self, kind, timeout_ms=SETTLE_MS):
         """Name and content of an exported file."""
         self.tab("Export")
-        with self.page.expect_download() as waiting:
+        with self.page.expect_download(timeout=timeout_ms) as waiting:
             self.page.get_by_role("button", name=kind, exact=True).click()
         with open(waiting.value.path(), "rb") as stream:
             return waiting.value.suggested_filename, stream.read()

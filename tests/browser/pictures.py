@@ -1,4 +1,4 @@
-"""Make the README's picture of the page: ``python -m tests.browser.pictures``."""
+"""Make the README's pictures of the page: ``python -m tests.browser.pictures``."""
 
 import sys
 from pathlib import Path
@@ -8,29 +8,49 @@ from playwright.sync_api import sync_playwright
 from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.settings import find_preset
 from stair_inspector.viewer.app import App
-from tests.browser.inspector_page import ARGUMENTS, find_browser
+from tests.browser.inspector_page import ARGUMENTS, InspectorPage, click_at_once, find_browser
 
 IMAGES = Path(__file__).parents[2] / ".github" / "images"
+_AT_REST_MS = 5000
+"""Labels are drawn last, and software rendering takes its time."""
+
+
+def steps(page):
+    """Both clouds side by side, one step chosen with its card."""
+    page.show("Side by side")
+    page.click_row(4)
+    page.await_selection(4)
+
+
+def tune(page):
+    """The sliders, the histogram and the table below, the dark theme."""
+    click_at_once(page.page.get_by_label("Dark theme"))
+    page.show("Segmented")
+    page.tab("Tune")
+
+
+def section(page):
+    """A section along the stair with its profile."""
+    click_at_once(page.page.get_by_label("Dark theme"))
+    page.tab("Look")
+    page.page.get_by_label("Section", exact=True).click()
+    page.await_node("/stair/section/cloud")
 
 
 def main() -> None:
-    """Photograph the page on the sample scan, both clouds side by side, one step chosen."""
-    app = App([sample_scans() / "straight.ply"], find_preset("tls").params, port=0)
+    """Photograph the page on the sample scan."""
+    app = App([sample_scans() / "straight.ply"], find_preset("tls").params, port=0, saves_projects=False)
     try:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
-            page = browser.new_page(viewport={"width": 1500, "height": 980})
-            page.goto(f"http://127.0.0.1:{app.port}/?fixedDpr=1")
-            page.wait_for_selector('[data-testid="step-row"]', timeout=90_000)
-            # The notice about software rendering, which no inspector's machine shows.
-            for close in page.locator(".mantine-Notification-root button").all():
-                close.click()
-            page.get_by_role("button", name="Side by side").click()
-            page.locator('[data-testid="step-row"][data-step="4"]').click()
-            page.wait_for_selector('[data-testid="step-row"][data-step="4"][aria-selected="true"]')
-            page.mouse.move(500, 700)
-            page.wait_for_timeout(8000)
-            page.screenshot(path=IMAGES / "page.png")
+            page = InspectorPage(browser, app.port, width=1500, height=980).open()
+            for name, prepare in (("page", steps), ("page_tune", tune), ("page_section", section)):
+                prepare(page)
+                page.close_notifications()
+                page.page.mouse.move(500, 700)
+                page.page.wait_for_timeout(_AT_REST_MS)
+                page.page.screenshot(path=IMAGES / f"{name}.png")
+            page.close()
             browser.close()
     finally:
         app.stop()

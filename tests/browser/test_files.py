@@ -73,8 +73,9 @@ def test_the_screenshot_opens_and_shows_the_steps(page):
     image = Image.open(io.BytesIO(content))
     box = page.canvas.bounding_box()
     assert image.format == "PNG"
-    assert image.height == round(box["height"])
-    assert image.width / image.height == pytest.approx(box["width"] / box["height"], rel=0.01)
+    # Twice as large as on the screen, and what is written on it stands above and below.
+    assert image.width == pytest.approx(2 * box["width"], abs=3)
+    assert image.height > 2 * box["height"]
     pixels = np.asarray(image.convert("RGB")).astype(int)
     for color in read_palette("page").steps[:5]:
         assert (np.abs(pixels - np.array(color)).max(axis=2) <= 6).mean() > 0.0005, color

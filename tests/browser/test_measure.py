@@ -139,6 +139,7 @@ def test_a_hostile_step_and_view_are_sentences(page):
     page.send(page.uuid("Selected step"), "77")
     assert "step 77 does not exist" in page.await_notification("Not done")
     page.close_notifications()
+    page.tab("Look")
     page.send(page.uuid("Camera"), "Below")
     assert "give one of Home, Front, Side, Top" in page.await_notification("Not done")
 
@@ -151,8 +152,7 @@ def test_reset_brings_back_the_preset(page, measured):
     page.tab("Scan")
     page.choose("Method", "paper")
     page.await_result("used: paper", "α 100/5 %")
-    page.tab("Tune")
-    page.page.get_by_role("button", name="Reset to preset").click()
+    page.hotkey("Shift+R")
     page.await_result("survey", "α 95/5 %")
     assert page.slider_value("α_f [%]") == 95.0
     page.tab("Scan")

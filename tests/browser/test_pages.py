@@ -37,7 +37,7 @@ def test_a_reload_keeps_the_settings_and_the_scan(page):
     before = page.table()
     page.page.reload()
     page.await_result("α 95/6 %")
-    page.close_notifications()
+    page.open()
     assert page.text("scan").startswith("other.ply")
     assert page.table() == before
     assert page.slider_value("α_b [%]") == 6.0

@@ -9,6 +9,7 @@ LABELS = "/stair/segments/dimension_labels/"
 
 def open_overrules(page):
     """Open the folder of overrules if it is closed."""
+    page.tab("Steps")
     if not page.page.get_by_role("button", name="Clear overrules").is_visible():
         page.page.get_by_text(re.compile(r"^Overrules")).first.click()
     page.page.get_by_role("button", name="Clear overrules").wait_for()
@@ -39,7 +40,7 @@ def test_the_survey_tells_value_uncertainty_and_coverage_flight_by_flight(page, 
     inspection = measured()
     assert page.by_id("steps").get_attribute("data-columns") == "survey"
     headline = page.by_id("flight-row").first.inner_text()
-    assert re.match(r"Flight 1 · 5 risers · pitch [\d.]+° ± [\d.]+ · rise [\d.]+–[\d.]+", headline)
+    assert re.match(r"▾ ?Flight 1 · 5 risers · pitch [\d.]+° ± [\d.]+ · rise [\d.]+–[\d.]+", headline)
     rows = page.page.locator("[data-testid=step-row]")
     assert rows.count() == len(inspection.steps)
     shown = [mark.get_attribute("data-coverage") for mark in page.by_id("steps").locator("svg").all()]
@@ -55,11 +56,14 @@ def test_the_papers_method_has_the_papers_columns_only(page):
     page.tab("Scan")
     page.choose("Method", "paper")
     page.await_result("used: paper")
+    page.tab("Steps")
     page.await_columns("paper")
     assert page.page.get_by_role("button", name="Survey", exact=True).count() == 0
     assert page.page.get_by_label("Show rejected surfaces").count() == 0
+    page.tab("Scan")
     page.choose("Method", "survey")
     page.await_result("used: survey")
+    page.tab("Steps")
     page.await_columns("survey")
 
 

@@ -400,9 +400,9 @@ def test_json_of_the_patches():
 def test_json_lists_what_the_inspector_decided_and_keeps_the_text():
     document = document_of(surveyed()[1])
     assert document["overrules"] == [
-        {"what": "level 3", "kind": "rejected"},
-        {"what": "patch 12", "kind": "tread"},
-        {"what": "at 3500000.125,-1.0,0.34", "kind": "landing"},
+        {"what": "level 3", "kind": "rejected", "reason": None},
+        {"what": "patch 12", "kind": "tread", "reason": None},
+        {"what": "at 3500000.125,-1.0,0.34", "kind": "landing", "reason": None},
         {"what": "climb", "vector": [0.0, 0.6, 0.8]},
         {"what": "region", "low_m": [-1.0, -2.0, -3.0], "high_m": [4.0, 5.0, 3500000.5]},
     ]
@@ -415,7 +415,7 @@ def test_json_lists_what_the_inspector_decided_and_keeps_the_text():
         (OverrulesParams(), []),
         (OverrulesParams(climb="auto", region=" ", force=" "), []),
         (OverrulesParams(climb="-x"), [{"what": "climb", "vector": [-1.0, 0.0, 0.0]}]),
-        (OverrulesParams(force="level:2=landing"), [{"what": "level 2", "kind": "landing"}]),
+        (OverrulesParams(force="level:2=landing"), [{"what": "level 2", "kind": "landing", "reason": None}]),
     ],
 )
 def test_only_what_was_decided_is_listed(validator, overrules, listed):

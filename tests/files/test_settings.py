@@ -1,11 +1,23 @@
 """Settings as TOML and plain values, and the presets."""
 
 import json
+import tomllib
 
+import hypothesis.strategies as st
 import pytest
+from hypothesis import given
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.settings import find_preset, list_presets, params_from_dict, params_to_dict, read_preset
+from stair_inspector.files.settings import (
+    Preset,
+    find_preset,
+    list_presets,
+    params_from_dict,
+    params_to_dict,
+    parse_preset,
+    preset_bytes,
+    read_preset,
+)
 from stair_inspector.params import (
     GROUPS,
     Force,
@@ -15,6 +27,7 @@ from stair_inspector.params import (
     fields_of,
     parse_force,
     parse_region,
+    with_decision,
 )
 from tests.synthetic import CHANGES
 
@@ -193,6 +206,105 @@ def test_a_preset_file_that_is_wrong_is_one_sentence_with_its_name(tmp_path, con
     assert len(str(error.value)) < 400
     if text is not None:
         assert str(error.value) == f"{path}: {text}"
+
+
+ALL_CHANGED = Params()
+for _name, _value in CHANGES.items():
+    ALL_CHANGED = ALL_CHANGED.replaced(_name, _value)
+
+
+@pytest.mark.parametrize("params", [Params(), ALL_CHANGED], ids=["defaults", "all_changed"])
+def test_a_written_preset_reads_back_equal(tmp_path, params):
+    data = preset_bytes(params, "Hall", "For the hall.")
+    path = tmp_path / "hall.toml"
+    path.write_bytes(data)
+    assert read_preset(path) == parse_preset(data, "hall.toml") == Preset("hall", "Hall", "For the hall.", params)
+
+
+def test_a_written_preset_names_every_setting():
+    values = tomllib.loads(preset_bytes(Params(), "").decode())
+    assert values == params_to_dict(Params())
+
+
+@given(
+    st.floats(0.001, 0.1),
+    st.text(st.characters(exclude_categories=["Cs"])),
+    st.text(st.characters(exclude_categories=["Cs", "Cc", "Zl", "Zp"]), max_size=100),
+)
+def test_any_number_title_and_reason_read_back_equal(eps_m, title, reason):
+    params = Params().replaced("levels.eps_m", eps_m).replaced("overrules.force", with_decision("", X, "tread", reason))
+    preset = parse_preset(preset_bytes(params, title, title), "p.toml")
+    assert preset == Preset("p", title or "p", title, params)
+
+
+def test_a_title_that_is_no_text_is_refused():
+    with pytest.raises(ConfigError, match="cannot be written as text; change the title or the reason"):
+        preset_bytes(Params(), "a\udcff")
+
+
+def test_an_uploaded_preset_that_is_wrong_is_one_sentence_with_its_name():
+    with pytest.raises(ConfigError) as error:
+        parse_preset(b"[levels]\neps_m = 0.3\n", "mine.toml")
+    assert str(error.value) == "mine.toml: levels.eps_m: got 0.3; give a value from 0.001 to 0.1"
+
+
+REASONS = ["", "a table", "see (7)", "a) b; c", "((", "C:\\plans", "x\\)y", "at:1,2,3=tread; level:1=rejected", ":-)"]
+X = (1.0, 2.0, 3.0)
+
+
+@pytest.mark.parametrize("reason", REASONS)
+def test_a_reason_is_kept_as_it_was_given(reason):
+    force = with_decision("level:3=rejected (q; (7)); patch:1=tread", X, "landing", reason)
+    first, second, decided = parse_force(force)
+    assert (first.reason, second.reason) == ("q; (7)", "")
+    assert decided == Force("at", -1, X, "landing", reason)
+    again = with_decision(force, X, "tread", "other")
+    assert [(entry.kind, entry.reason) for entry in parse_force(again)][2:] == [("tread", "other")]
+    assert with_decision(again, X, None) == "level:3=rejected (q; (7)); patch:1=tread"
+
+
+@given(st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), max_size=100))
+def test_any_reason_of_one_line_is_read_back(reason):
+    (decided,) = parse_force(with_decision("", X, "tread", reason))
+    assert decided.reason == reason.strip()
+
+
+@pytest.mark.parametrize(
+    "written", ["at:1,2,3=tread", " at : 1.0, 2.0004 ,3e0 = landing (a (b))", "at:1.000,2.000,3.000=tread"]
+)
+def test_a_decision_about_the_same_place_is_replaced_however_it_was_written(written):
+    others = "level:3=rejected; at:1.001,2.000,3.000=tread"
+    assert with_decision(f"{others};{written}", X, "rejected") == f"{others}; at:1.000,2.000,3.000=rejected"
+    assert with_decision(f"{written};{others}", X, None) == others
+
+
+def test_a_place_on_a_map_grid_is_kept_to_the_millimetre():
+    force = with_decision("", (691000.1234, 5333000.9996, -0.0004), "tread", "far")
+    assert force == "at:691000.123,5333001.000,0.000=tread (far)"
+    assert parse_force(force)[0].point_m == (691000.123, 5333001.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("force", "text"),
+    [
+        (
+            "level:3=rejected (a table",
+            "overrules.force: the parenthesis in 'level:3=rejected (a table' is not closed; ",
+        ),
+        ("level:3=rejected (a) b", "overrules.force: got 'level:3=rejected (a) b'; give entries such as"),
+        ("level:3=rejected (a\nb)", "overrules.force: the reason 'a\\nb' is too long or has a line break or "),
+        ("level:3=rejected (a\u2028b)", "overrules.force: the reason 'a\\u2028b' is too long or has a line break or "),
+        ("level:3=rejected (a\x85b)", "overrules.force: the reason 'a\\x85b' is too long or has a line break or "),
+        ("level:3=rejected (a\udcff)", "overrules.force: the reason 'a\\udcff' is too long or has a line break or "),
+        ("level:3=rejected (" + 301 * "a" + ")", "overrules.force: the reason 'aaaa"),
+        ("level:3=rejected) (a)", "overrules.force: got 'level:3=rejected) (a)'; give entries such as"),
+    ],
+)
+def test_a_reason_that_is_wrong_is_one_sentence(force, text):
+    with pytest.raises(ConfigError) as error:
+        OverrulesParams(force=force)
+    assert str(error.value).startswith(text)
+    assert len(str(error.value)) < 250
 
 
 def test_a_missing_preset_file_is_named(tmp_path):

@@ -17,7 +17,8 @@ from stair_inspector import cli
 from stair_inspector.errors import ConfigError
 from stair_inspector.params import Params
 from stair_inspector.viewer import app as app_module
-from stair_inspector.viewer.app import App, is_loopback, label_scans
+from stair_inspector.viewer.app import App, is_loopback
+from stair_inspector.viewer.library import DEFAULT_UPLOAD_LIMIT_MB, label_scans
 
 SCAN = [Path("a.ply")]
 
@@ -161,8 +162,9 @@ def test_stopping_ends_the_wait_and_frees_the_port():
 class FakeApp:
     made = ()
 
-    def __init__(self, scans, params, host, port):
+    def __init__(self, scans, params, host, port, **options):
         self.scans, self.params, self.host, self.port = scans, params, host, port or 4321
+        self.options = options
         self.is_stopped = False
         FakeApp.made = (*FakeApp.made, self)
 
@@ -214,6 +216,42 @@ def test_view_hands_over_settings_and_scans(view):
     assert [path.name for path in app.scans] == ["a.ply"]
 
 
+def test_view_saves_projects_beside_the_scans_unless_told_otherwise(view, tmp_path):
+    app, _, _ = view()
+    assert app.options == {"project_dir": None, "saves_projects": True, "upload_limit_mb": DEFAULT_UPLOAD_LIMIT_MB}
+    FakeApp.made = ()
+    app, _, _ = view("--project-dir", str(tmp_path / "projects"), "--no-autosave", "--upload-limit-mb", "20")
+    assert app.options == {"project_dir": tmp_path / "projects", "saves_projects": False, "upload_limit_mb": 20.0}
+
+
+def test_view_hands_over_folders_so_that_they_can_be_looked_into_again(view, tmp_path):
+    folder = tmp_path / "more"
+    folder.mkdir()
+    (folder / "b.ply").write_bytes(b"ply")
+    assert cli.main(["view", str(tmp_path / "a.ply"), str(folder), "--no-browser"]) == 0
+    (app,) = FakeApp.made
+    assert app.scans == [tmp_path / "a.ply", folder]
+
+
+@pytest.mark.parametrize(
+    ("args", "text"),
+    [
+        (["--project-dir", "{scan}"], "{scan}: is a file, not a folder; give another folder with --project-dir"),
+        (["--upload-limit-mb", "0"], "--upload-limit-mb: got 0; give a number above 0"),
+        (["--upload-limit-mb", "nan"], "--upload-limit-mb: got nan; give a number above 0"),
+        (["--upload-limit-mb", "much"], "view: --upload-limit-mb: got 'much'; give a number; see --help"),
+        (["{folder}/missing.ply"], "{folder}/missing.ply: there is no such file; check the path"),
+    ],
+)
+def test_view_refuses_in_one_line(tmp_path, capsys, args, text):
+    scan = tmp_path / "a.ply"
+    scan.write_bytes(b"ply")
+    names = {"scan": scan, "folder": tmp_path}
+    code = cli.main(["view", str(scan), *(arg.format(**names) for arg in args), "--no-browser", "--port", "0"])
+    assert code == (3 if "no such file" in text else 2)
+    assert capsys.readouterr().err == f"stair-inspector: {text.format(**names)}\n"
+
+
 def test_view_opens_the_browser_unless_told_not_to(view, monkeypatch):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
@@ -229,4 +267,8 @@ def test_the_help_of_view_names_its_options(capsys):
         cli.main(["view", "--help"])
     assert leaving.value.code == 0
     out = capsys.readouterr().out
-    assert [word for word in ("--host", "--port", "--no-browser", "no password", "8080") if word not in out] == []
+    assert [
+        word
+        for word in ("--host", "--port", "--no-browser", "--project-dir", "--upload-limit-mb", "no password", "8080")
+        if word not in out
+    ] == []

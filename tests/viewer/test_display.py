@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.model import Scan
-from stair_inspector.viewer.display import choose_display, estimate_spacing
+from stair_inspector.viewer.display import choose_display, display_of, estimate_spacing
 from tests.synthetic import Stair
 
 
@@ -52,3 +52,14 @@ def test_the_scans_own_colours_are_drawn_unless_they_are_all_one():
     black = choose_display(with_colors(scan, np.zeros((n, 3), np.uint8))).colors
     np.testing.assert_array_equal(black, choose_display(scan).colors)
     assert black.min() > 100
+
+
+def test_some_points_of_a_scan_are_drawn_as_the_whole_is():
+    scan = Stair().scan()
+    ids = np.arange(10, 200, 3)
+    display = display_of(scan, ids)
+    np.testing.assert_array_equal(display.point_ids, ids)
+    np.testing.assert_array_equal(display.points, scan.points[ids])
+    np.testing.assert_array_equal(display.colors, choose_display(scan).colors[ids])
+    nothing = display_of(scan, ids[:0])
+    assert (nothing.points.shape, nothing.colors.shape, nothing.spacing_m) == ((0, 3), (0, 3), 0.0)

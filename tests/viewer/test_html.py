@@ -10,7 +10,7 @@ import pytest
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.model import Note
 from stair_inspector.pipeline import inspect
-from stair_inspector.viewer import html
+from stair_inspector.viewer import histogram, html
 from stair_inspector.viewer.markup import pick_script
 from tests.synthetic import Stair, exact_params, make_scan
 
@@ -118,7 +118,7 @@ def test_no_result_and_no_steps_are_told_apart(inspection):
 
 
 def test_the_histogram_has_a_band_for_each_level_in_its_colour_and_place(inspection):
-    page = Page(html.histogram_html(inspection, PALETTE))
+    page = Page(histogram.histogram_html(inspection, PALETTE))
     assert [int(group["data-level"]) for group in page.of("g")] == [level.level_id for level in inspection.levels]
     bands = [rect for rect in page.of("rect") if rect["y"] == "14"]
     colors = [PALETTE.floor, *(PALETTE.of_step(k) for k in range(1, 6))]
@@ -131,21 +131,23 @@ def test_the_histogram_has_a_band_for_each_level_in_its_colour_and_place(inspect
     ticks = [(float(t["x"]), t) for t in page.of("text") if t.get("text-anchor") == "middle"]
     names = [
         float(name)
-        for name in re.findall(r'opacity="0.75">(-?[\d.]+)</text>', html.histogram_html(inspection, PALETTE))
+        for name in re.findall(r'opacity="0.75">(-?[\d.]+)</text>', histogram.histogram_html(inspection, PALETTE))
     ]
     assert 3 <= len(names) == len(ticks) <= 10
     np.testing.assert_allclose(np.polyval([slope, start], names), [x for x, _ in ticks], atol=0.5)
 
 
 def test_the_histogram_has_bars_within_its_frame_and_the_reach_to_scale(inspection):
-    page = Page(html.histogram_html(inspection, PALETTE))
+    page = Page(histogram.histogram_html(inspection, PALETTE))
     (outline,) = page.of("path")
     tops = [float(y) for y in re.findall(r"V([\d.]+)H", outline["d"])]
     assert len(tops) > 50
     assert min(tops) >= 14.0
     assert max(tops) <= 108.0
     assert min(tops) < 30.0
-    (reach,) = page.of("line")
+    # The other line is drawn while somebody drags.
+    reach, drag = page.of("line")
+    assert drag["opacity"] == "0"
     profile = inspection.profile
     scale = 384.0 / (profile.bin_m * len(profile.counts))
     assert float(reach["x2"]) - float(reach["x1"]) == pytest.approx(inspection.params.levels.eps_m * scale, abs=0.06)
@@ -153,7 +155,7 @@ def test_the_histogram_has_bars_within_its_frame_and_the_reach_to_scale(inspecti
 
 
 def test_the_histogram_of_nothing_keeps_its_height():
-    assert f"height:{html._HEIGHT}px" in html.histogram_html(None, PALETTE)
+    assert f"height:{histogram._HEIGHT}px" in histogram.histogram_html(None, PALETTE)
 
 
 def test_rejected_levels_are_not_shown_as_steps():
@@ -163,7 +165,7 @@ def test_rejected_levels_are_not_shown_as_steps():
     scan = make_scan(points, np.tile([0.0, 0.0, 1.0], (len(points), 1)))
     rejected = inspect(scan, exact_params())
     assert [level.kind for level in rejected.levels[1:]] == ["rejected", "rejected"]
-    bands = [rect for rect in Page(html.histogram_html(rejected, PALETTE)).of("rect") if rect["y"] == "14"]
+    bands = [rect for rect in Page(histogram.histogram_html(rejected, PALETTE)).of("rect") if rect["y"] == "14"]
     assert [band["fill"] for band in bands[1:]] == [f"rgb{PALETTE.non_stair}"] * 2
 
 

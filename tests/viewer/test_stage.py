@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 import viser
 
+from stair_inspector.files.projects import Measurement
 from stair_inspector.viewer.dimensions import dimensions_of
-from stair_inspector.viewer.scene import HIGHLIGHT, Stage, draw, view_from_local
+from stair_inspector.viewer.measuring import drawing_of
+from stair_inspector.viewer.scene import HIGHLIGHT, MODES, Stage, draw, view_from_local
+from stair_inspector.viewer.sections import cut, section_display, section_frame
 from tests.viewer.surveyed import PALETTE, surveyed
 
+SECTION = "/stair/section/"
+MEASURED = "/stair/measured/"
 LABELS = "/stair/segments/dimension_labels/"
 REJECTED = "/stair/segments/rejected/"
 
@@ -40,7 +45,8 @@ def stage(server, measured):
 def names(server, prefix="/stair"):
     """Names of the nodes; viser makes the folders that they are in, and lets them stay."""
     found = {name for name in server.scene._handle_from_node_name if name.startswith(prefix)}
-    return found - {folder.rstrip("/") for folder in (LABELS, REJECTED)}
+    folders = (LABELS, REJECTED, SECTION, MEASURED, f"{MEASURED}labels/")
+    return found - {folder.rstrip("/") for folder in folders}
 
 
 def numbers_shown(stage):
@@ -114,6 +120,96 @@ def test_a_click_on_a_plate_chooses_its_own_step_also_when_numbers_are_missing(s
     assert numbers_shown(stage) == ["2", "3"]
 
 
+def is_seen(stage, name):
+    return stage._nodes[name].visible
+
+
+def section_of(measured):
+    scan, inspection, display = measured
+    slab = cut(section_frame(inspection, display.points), "along", 0.0, 0.1, display.points)
+    return section_display(scan, slab), slab
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_a_section_stands_in_for_the_clouds_in_every_mode_and_gives_them_back(server, stage, measured, mode):
+    stage.set_mode(mode)
+    clouds = ("/stair/raw", "/stair/segments/cloud", "/stair/segments/centres")
+    before = [is_seen(stage, name) for name in clouds]
+    extent = stage.visible_extent()
+    shown, slab = section_of(measured)
+    stage.show_section(shown.points, shown.colors, slab.corners)
+    assert names(server, SECTION) == {f"{SECTION}cloud", f"{SECTION}outline"}
+    assert len(stage._nodes[f"{SECTION}cloud"].points) == len(shown.points)
+    assert [is_seen(stage, name) for name in clouds] == [False, False, False]
+    # Edges and numbers stand where the section is, not beside it.
+    assert stage.shift_m() == 0.0
+    np.testing.assert_array_equal(stage._nodes["segments"].position, 0.0)
+    stage.show_section(shown.points, shown.colors, None)
+    assert names(server, SECTION) == set()
+    assert [is_seen(stage, name) for name in clouds] == before
+    np.testing.assert_array_equal(stage.visible_extent(), extent)
+
+
+def test_what_is_drawn_while_a_section_is_shown_does_not_cover_it(server, stage, measured):
+    scan, inspection, display = measured
+    shown, slab = section_of(measured)
+    stage.show_section(shown.points, shown.colors, slab.corners)
+    stage.show_drawing(draw(inspection, display, scan.points, PALETTE), PALETTE, lambda step_id: None)
+    stage.highlight(display.points[:10], inspection.steps[1].corners)
+    assert not is_seen(stage, "/stair/segments/centres")
+    assert not is_seen(stage, "/stair/segments/selected")
+    stage.show_section(shown.points, shown.colors, None)
+    assert is_seen(stage, "/stair/segments/centres")
+    assert is_seen(stage, "/stair/segments/selected")
+
+
+def test_an_empty_section_is_an_outline_alone(server, stage, measured):
+    shown, slab = section_of(measured)
+    stage.show_section(shown.points[:0], shown.colors[:0], slab.corners)
+    assert names(server, SECTION) == {f"{SECTION}outline"}
+    assert not is_seen(stage, "/stair/segments/cloud")
+
+
+def test_colours_are_replaced_in_place(stage, measured):
+    _, _, display = measured
+    cloud = stage._nodes["/stair/segments/cloud"]
+    colors = np.full((len(display.points), 3), 7, dtype=np.uint8)
+    stage.set_colors(colors)
+    np.testing.assert_array_equal(stage._nodes["/stair/segments/cloud"].colors, colors)
+    assert stage._nodes["/stair/segments/cloud"] is cloud
+
+
+def test_measurements_come_and_go_and_stay_when_the_result_changes(server, stage, measured):
+    scan, inspection, display = measured
+    up, origin = inspection.up.vector, inspection.scan.origin_m
+    first, second = (tuple(place + np.array(origin)) for place in (display.points[5], display.points[5000]))
+    both = (Measurement("Distance 1", (first, second)), Measurement("Point 1", (first,)))
+    plain = names(server)
+    stage.show_measurements(drawing_of(both, first, origin, up, "mm"))
+    added = names(server) - plain
+    assert {f"{MEASURED}lines", f"{MEASURED}legs", f"{MEASURED}points"} <= added
+    assert {f"{MEASURED}labels/{name}" for name in ("1", "1v", "1h", "2", "waiting")} <= added
+    assert stage._nodes[f"{MEASURED}points"].points.shape == (4, 3)
+    stage.show_drawing(draw(inspection, display, scan.points, PALETTE), PALETTE, lambda step_id: None)
+    assert names(server) - plain == added
+    stage.show_measurements(drawing_of(both[1:], None, origin, up, "mm"))
+    assert names(server) - plain == {f"{MEASURED}points", f"{MEASURED}labels/1"}
+    stage.show_measurements(None)
+    assert names(server) == plain
+
+
+def test_the_points_of_every_cloud_grow_together(stage, measured):
+    _, inspection, display = measured
+    shown, slab = section_of(measured)
+    stage.show_section(shown.points, shown.colors, slab.corners)
+    point = Measurement("Point 1", (tuple(display.points[0]),))
+    stage.show_measurements(drawing_of((point,), None, (0.0, 0.0, 0.0), inspection.up.vector, "mm"))
+    clouds = ("/stair/raw", "/stair/segments/cloud", f"{SECTION}cloud", f"{MEASURED}points")
+    before = np.array([stage._nodes[name].point_size for name in clouds])
+    stage.set_point_size(0.02)
+    np.testing.assert_allclose([stage._nodes[name].point_size for name in clouds], 2.0 * before)
+
+
 def test_nothing_is_left_when_everything_is_cleared(server, stage, measured):
     scan, inspection, display = measured
     stage.show_drawing(
@@ -121,5 +217,12 @@ def test_nothing_is_left_when_everything_is_cleared(server, stage, measured):
     )
     stage.show_dimensions(2, dimensions_of(inspection, inspection.steps[1], 0.01), PALETTE)
     stage.highlight(display.points[:10], inspection.steps[1].corners)
+    shown, slab = section_of(measured)
+    stage.show_section(shown.points, shown.colors, slab.corners)
+    point = Measurement("Point 1", (tuple(display.points[0]),))
+    stage.show_measurements(drawing_of((point,), None, (0.0, 0.0, 0.0), inspection.up.vector, "mm"))
     stage.clear()
     assert names(server) == set()
+    # The next scan is not cut.
+    stage.show_scan(display, view_from_local(inspection), 0.01)
+    assert is_seen(stage, "/stair/segments/cloud")

@@ -218,10 +218,14 @@ class CountingProcess:
         self.gate = threading.Event()
         self.gate.set()
         self.failures = []
+        self.stopped = threading.Event()
 
-    def run(self, function, *inputs):
+    def run(self, function, *inputs, is_wanted):
         self.runs.append((function, *inputs))
-        assert self.gate.wait(LONG_S)
+        while not self.gate.wait(0.01):
+            if not is_wanted():
+                self.stopped.set()
+                raise worker.Cancelled
         if self.failures:
             raise self.failures.pop()
         return SimpleNamespace(made_for=inputs)
@@ -268,6 +272,47 @@ def test_two_who_ask_for_the_same_wait_for_one_computation(process, path, what):
     assert len(process.runs) == 1
     assert answers[0] is answers[1]
     assert ask() is answers[0]
+
+
+def test_who_no_longer_wants_a_result_leaves_and_the_other_still_gets_it(process, path):
+    workshop = Workshop()
+    process.gate.clear()
+    leaving = threading.Event()
+    answers, left = [], []
+
+    def ask_and_leave():
+        try:
+            workshop.read(path, "auto", lambda: not leaving.is_set())
+        except worker.Cancelled:
+            left.append(True)
+
+    threads = [
+        threading.Thread(target=ask_and_leave),
+        threading.Thread(target=lambda: answers.append(workshop.read(path, "auto"))),
+    ]
+    threads[0].start()
+    await_true(lambda: len(process.runs) == 1)
+    threads[1].start()
+    time.sleep(0.1)
+    leaving.set()
+    threads[0].join(LONG_S)
+    assert left == [True]
+    process.gate.set()
+    threads[1].join(LONG_S)
+    assert len(answers) == len(process.runs) == 1
+
+
+def test_what_nobody_wants_any_longer_is_stopped_and_made_anew_when_asked_for_again(process, path):
+    workshop = Workshop()
+    process.gate.clear()
+    leaving = threading.Event()
+    threading.Timer(0.1, leaving.set).start()
+    with pytest.raises(worker.Cancelled):
+        workshop.read(path, "auto", lambda: not leaving.is_set())
+    assert process.stopped.wait(LONG_S)
+    process.gate.set()
+    assert workshop.read(path, "auto") is workshop.read(path, "auto")
+    assert len(process.runs) == 2
 
 
 def test_two_who_ask_for_different_things_get_different_things(process, path):
@@ -328,6 +373,32 @@ def test_a_scan_whose_file_has_gone_can_still_be_measured(tmp_path):
             workshop.read(path, "mm")
     finally:
         workshop.close()
+
+
+def test_a_call_that_is_no_longer_wanted_ends_at_once_and_the_next_one_works(heavy):
+    began = time.monotonic()
+    stop_at = began + 0.3
+    with pytest.raises(worker.Cancelled):
+        heavy.run(time.sleep, LONG_S, is_wanted=lambda: time.monotonic() < stop_at)
+    assert time.monotonic() - began < LONG_S / 2
+    assert heavy.run(len, [1, 2]) == 2
+
+
+def test_a_function_is_called_once_things_have_been_quiet():
+    calls = []
+    settle = worker.Settle(lambda: calls.append(time.monotonic()), 0.15, "test")
+    for _ in range(5):
+        settle.touch()
+        time.sleep(0.03)
+    last = time.monotonic()
+    await_true(lambda: len(calls) == 1)
+    assert calls[0] >= last + 0.1
+    settle.touch()
+    await_true(lambda: len(calls) == 2)
+    settle.touch()
+    settle.close()
+    time.sleep(0.3)
+    assert len(calls) == 2
 
 
 def test_an_idle_process_that_has_died_is_replaced_without_a_word():

@@ -1,6 +1,5 @@
 """The controls show the settings, give them back, and let nothing else through, whatever a page sends."""
 
-import dataclasses
 import math
 from types import SimpleNamespace
 
@@ -8,8 +7,18 @@ import pytest
 import viser
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import Params, knob_of, parse_force
-from stair_inspector.viewer.panel import SLIDERS, TEXTS, Actions, Panel, label_of, with_decision
+from stair_inspector.params import Params, knob_of, parse_force, with_decision
+from stair_inspector.viewer.controls import (
+    CHOICES,
+    MAIN_SLIDERS,
+    SLIDERS,
+    SURVEY_SLIDERS,
+    TEXTS,
+    SettingControls,
+    label_of,
+    setting_names,
+    words_of_change,
+)
 from tests.synthetic import CHANGES
 
 
@@ -22,12 +31,17 @@ def server():
 
 @pytest.fixture
 def panel(server):
-    names = [item.name.removeprefix("on_") for item in dataclasses.fields(Actions)]
     called = []
-    actions = Actions(**{f"on_{name}": lambda *values, name=name: called.append((name, *values)) for name in names})
-    panel = Panel(server, ("a.ply", "b.ply"), Params(), actions)
-    panel.called = called
-    yield panel
+    controls = SettingControls(server.gui, Params(), lambda: called.append("settings"))
+    controls.add_sliders(MAIN_SLIDERS)
+    controls.add_sliders(SURVEY_SLIDERS)
+    for name in CHOICES:
+        controls.add_choice(name)
+    for name in TEXTS:
+        controls.add_text(name)
+    controls.add_up()
+    controls.called = called
+    yield controls
     server.gui.reset()
 
 
@@ -98,21 +112,32 @@ def test_an_up_vector_of_ones_own_goes_there_and_back(panel):
 
 def test_what_the_server_sets_starts_no_run(panel):
     panel.load(Params().replaced("levels.eps_m", 0.05).replaced("method", "paper"))
-    panel.show_scan_name("b.ply")
-    panel.show_point_size(0.012)
-    panel.offer_steps((1, 2, 3, 4), (12,), "2")
     panel.overrule((1.0, 2.0, 3.0), "tread")
     panel.clear_overrules()
-    panel.show_survey_controls(True)
     assert panel.called == []
-    assert panel._point_size.value == 12.0
-    assert (panel.selected.options, panel.selected.value) == (("none", "1", "2", "3", "4", "surface 12"), "2")
 
 
-@pytest.mark.parametrize("size_m", [0.0, 1.0])
-def test_a_point_size_beyond_the_slider_is_shown_at_its_end(panel, size_m):
-    panel.show_point_size(size_m)
-    assert panel._point_size.value in (panel._point_size.min, panel._point_size.max)
+@pytest.mark.parametrize(
+    ("changes", "words", "key"),
+    [
+        ({}, "0 settings", ""),
+        ({"levels.eps_m": 0.03}, "ε_z 20 mm to 30 mm", "levels.eps_m"),
+        ({"method": "paper"}, "Method survey to paper", "method"),
+        ({"up": "x"}, "up auto to x", "up"),
+        ({"overrules.force": "level:3=rejected"}, "Surfaces none to level:3=rejected", "overrules.force"),
+        ({"levels.eps_m": 0.03, "up": "x"}, "2 settings", "up, levels.eps_m"),
+    ],
+)
+def test_a_change_is_told_in_the_pages_words(changes, words, key):
+    after = Params()
+    for name, value in changes.items():
+        after = after.replaced(name, value)
+    assert words_of_change(Params(), after) == (words, key)
+
+
+def test_every_setting_has_a_name_that_can_be_replaced():
+    for name in setting_names():
+        assert words_of_change(Params(), Params().replaced(name, CHANGES[name]))[1] == name
 
 
 @pytest.mark.parametrize("name", SLIDERS)

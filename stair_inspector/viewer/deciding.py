@@ -1,0 +1,52 @@
+"""The inspector's word against the program's: what a surface is, why, and how that is taken back."""
+
+import dataclasses
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.params import OverrulesParams
+from stair_inspector.viewer.controls import VERDICTS
+from stair_inspector.viewer.desk import Desk, Editor
+from stair_inspector.viewer.panel import Panel
+from stair_inspector.viewer.results import Results
+from stair_inspector.viewer.tabs.steps import TAKE_BACK
+from stair_inspector.viewer.work import Keeper
+
+
+class Deciding:
+    """The form "Overrules" of the Steps tab."""
+
+    def __init__(self, desk: Desk, panel: Panel, results: Results, keeper: Keeper, editor: Editor) -> None:
+        self._desk = desk
+        self._panel = panel
+        self._results = results
+        self._keeper = keeper
+        self._editor = editor
+
+    def mark(self, option: str) -> None:
+        """Decide what the chosen step or surface is, with the reason that is written; or take that back."""
+        kind = next((kind for kind in VERDICTS if kind == option), None)
+        if kind is None and option != TAKE_BACK:
+            raise ConfigError(f"mark as: got {str(option)[:40]!r}; give one of {', '.join((*VERDICTS, TAKE_BACK))}")
+        reason, controls = self._panel.steps.reason, self._panel.controls
+        with self._desk.lock:
+            place_m = self._results.chosen_place()
+        with self._keeper.lock:
+            before = self._editor.work.params.overrules.force
+            controls.overrule(place_m, kind, str(reason.value))
+            if kind is None and controls.read().overrules.force == before:
+                raise ConfigError("mark as: there is no verdict at this very place; undo it, or edit the text below")
+        with self._desk.lock:
+            # Its number may be another one's when the result is there.
+            self._desk.selected = self._desk.selected_patch = None
+            reason.value = ""
+        self._editor.submit()
+
+    def submit_texts(self) -> None:
+        """Let the overrules that are written count."""
+        self._panel.controls.submit_texts()
+        self._editor.submit()
+
+    def clear(self) -> None:
+        """Empty the overrules, and the region with them."""
+        params = dataclasses.replace(self._editor.work.params, overrules=OverrulesParams())
+        self._editor.apply(params, "cleared overrules")

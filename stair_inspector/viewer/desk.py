@@ -1,0 +1,105 @@
+"""What the parts of one inspector's page share: the last good result, what is chosen, and how it is shown."""
+
+import threading
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+import viser
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.files.palettes import Palette
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.model import Inspection, Scan
+from stair_inspector.params import Params
+from stair_inspector.viewer.display import Display
+from stair_inspector.viewer.notices import Notices
+from stair_inspector.viewer.scene import Stage
+from stair_inspector.viewer.units import Unit
+from stair_inspector.viewer.work import Work
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """The last good result, with the scan it belongs to and what of it is drawn."""
+
+    label: str
+    scan: Scan
+    display: Display
+    inspection: Inspection
+
+
+@dataclass(slots=True, eq=False)
+class Desk:
+    """The state of one page.
+
+    ``lock`` is held while anything here is read or changed together with the page; viser runs callbacks on many
+    threads. ``selected`` is a step, ``selected_patch`` a rejected surface; never both.
+    """
+
+    client: viser.ClientHandle
+    notices: Notices
+    palettes: tuple[Palette, Palette]
+    stage: Stage
+    lock: threading.RLock = field(default_factory=threading.RLock)
+    is_dark: bool = False
+    unit: Unit = "mm"
+    shown: Shown | None = None
+    selected: int | None = None
+    selected_patch: int | None = None
+    is_closed: bool = False
+
+    @property
+    def palette(self) -> Palette:
+        """The colours of the present theme."""
+        return self.palettes[self.is_dark]
+
+    @property
+    def inspection(self) -> Inspection | None:
+        """The last good result's numbers."""
+        return self.shown.inspection if self.shown is not None else None
+
+    def result(self, what: str) -> Shown:
+        """Return the last good result.
+
+        Raises
+        ------
+        ConfigError
+            There is none yet; ``what`` names what needs it.
+        """
+        if self.shown is None:
+            raise ConfigError(f"{what}: there is no result yet; wait for the first one")
+        return self.shown
+
+    def to_scan(self, points: Floats) -> Floats:
+        """Return places of the scan's own frame, (..., 3) metres, for places of the view."""
+        shown = self.result("place")
+        local: Floats = np.asarray(points, dtype=np.float64) @ self.stage.rotation
+        place: Floats = local + shown.scan.origin_m
+        return place
+
+    def to_view(self, points: Floats) -> Floats:
+        """Return places of the view for places of the scan's own frame, (..., 3) metres."""
+        shown = self.result("place")
+        place: Floats = (np.asarray(points, dtype=np.float64) - shown.scan.origin_m) @ self.stage.rotation.T
+        return place
+
+
+class Editor(Protocol):
+    """What parts of the page may change of the work; each change can be undone and is saved."""
+
+    @property
+    def work(self) -> Work:
+        """The work as it stands."""
+
+    def apply(self, params: Params, words: str) -> None:
+        """Set the controls to other settings and run."""
+
+    def change(self, words: str, **fields: object) -> None:
+        """Change other parts of the work, and show them."""
+
+    def submit(self) -> None:
+        """Run with what the controls show."""
+
+    def show_runs(self) -> None:
+        """Show the kept runs, and the comparison with the chosen one."""

@@ -1,0 +1,267 @@
+"""Which scans a server offers, where uploads are kept, and which project file belongs to which page."""
+
+import contextlib
+import os
+import tempfile
+import threading
+from collections.abc import Sequence
+from pathlib import Path, PurePosixPath
+
+from stair_inspector.errors import ConfigError, StairError, WriteError
+from stair_inspector.files.atomic import write_atomically
+from stair_inspector.files.paths import sample_scans
+from stair_inspector.files.projects import Project, autosave_path, read_project
+from stair_inspector.files.scans import SUFFIXES, find_scans
+
+DEFAULT_UPLOAD_LIMIT_MB = 500.0
+_MOST_UPLOADS = 50
+_LONGEST_NAME = 120
+_MOST_PROJECTS = 50
+"""Pages that can work on one scan at the same time, each with a project file of its own."""
+
+
+class Library:
+    """The files of one server: scans by their name in the menu, uploads, and the projects beside them.
+
+    Parameters
+    ----------
+    scans : sequence of Path
+        Files and folders the server was started with, at least one. A folder is looked at again by :meth:`refresh`.
+    project_dir : Path, optional
+        Where projects are saved; None is beside each scan.
+    saves_projects : bool
+        False keeps projects in memory only.
+    upload_limit_mb : float
+        Largest upload, megabytes.
+    """
+
+    def __init__(
+        self,
+        scans: Sequence[Path],
+        project_dir: Path | None = None,
+        *,
+        saves_projects: bool = True,
+        upload_limit_mb: float = DEFAULT_UPLOAD_LIMIT_MB,
+    ) -> None:
+        if not upload_limit_mb > 0.0:
+            raise ConfigError(f"--upload-limit-mb: got {upload_limit_mb:g}; give a number above 0")
+        self.upload_limit_bytes = int(upload_limit_mb * 1e6)
+        self._given = list(scans)
+        self._project_dir = project_dir
+        self._saves_projects = saves_projects
+        self._lock = threading.Lock()
+        self._uploads: dict[str, Path] = {}
+        self._upload_folder: tempfile.TemporaryDirectory[str] | None = None
+        self._claimed: set[Path] = set()
+        self._scans: dict[str, Path] = {}
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Look into the folders again; a folder that can no longer be read keeps what it had."""
+        found: list[Path] = []
+        for path in self._given:
+            if not path.is_dir():
+                # Whether a file can be read is said when it is opened.
+                found.append(path)
+                continue
+            try:
+                found += find_scans([path])
+            except StairError:
+                found += [known for known in self._scans.values() if known.parent == path]
+        if not found and not self._scans:
+            # Said as it is when the server starts.
+            found = find_scans(self._given)
+        with self._lock:
+            self._scans = label_scans(found) if found else self._scans
+
+    def labels(self, own: Sequence[str] = ()) -> tuple[str, ...]:
+        """Return the names in the menu: the server's scans, then those uploads that are one's own."""
+        with self._lock:
+            return (*self._scans, *(label for label in own if label in self._uploads))
+
+    def path(self, label: str) -> Path:
+        """Return the file that a name stands for.
+
+        Raises
+        ------
+        ConfigError
+            No scan has that name.
+        """
+        with self._lock:
+            path = self._scans.get(label) or self._uploads.get(label)
+        if path is None:
+            raise ConfigError(
+                f"scan: {str(label)[:60]!r} is none of the files that were opened; choose one of the menu"
+            )
+        return path
+
+    def is_known(self, label: str) -> bool:
+        """Return whether a name stands for a file."""
+        with self._lock:
+            return label in self._scans or label in self._uploads
+
+    def check_upload(self, name: str, size: int) -> None:
+        """Raise before an upload is received.
+
+        Raises
+        ------
+        ConfigError
+            The file is empty or too large, or its suffix is none of a scan.
+        """
+        suffix = PurePosixPath(name).suffix.lower()
+        if suffix not in SUFFIXES:
+            raise ConfigError(
+                f"upload: {name[:60]!r} is no scan by its name; give a file that ends in {', '.join(SUFFIXES)}"
+            )
+        if size <= 0:
+            raise ConfigError(f"upload: {name[:60]!r} is empty; give another file")
+        if size > self.upload_limit_bytes:
+            raise ConfigError(
+                f"upload: {name[:60]!r} has {size / 1e6:,.1f} MB and {self.upload_limit_bytes / 1e6:,.0f} MB are "
+                "allowed; thin it out, put it into the folder of the scans, or start with a larger --upload-limit-mb"
+            )
+
+    def add_upload(self, name: str, content: bytes) -> str:
+        """Keep an uploaded scan until the server ends; return its name in the menu.
+
+        Raises
+        ------
+        ConfigError
+            As :meth:`check_upload`, or too many uploads.
+        WriteError
+            There is no room for it.
+        """
+        # Only the name: what a browser sends is never a path.
+        name = PurePosixPath(name.replace("\\", "/")).name[-_LONGEST_NAME:]
+        self.check_upload(name, len(content))
+        with self._lock:
+            if len(self._uploads) >= _MOST_UPLOADS:
+                raise ConfigError(
+                    f"upload: {_MOST_UPLOADS} files have been uploaded, which is the most; start the server again"
+                )
+            if self._upload_folder is None:
+                self._upload_folder = tempfile.TemporaryDirectory(prefix="stair_inspector_")
+            folder = Path(self._upload_folder.name) / str(len(self._uploads))
+            label, number = name, 1
+            while label in self._scans or label in self._uploads:
+                number += 1
+                label = f"{Path(name).stem} ({number}){Path(name).suffix}"
+            path = folder / label
+            write_atomically(path, content)
+            self._uploads[label] = path
+        return label
+
+    def claim_project(self, label: str, prefer: Path | None = None) -> tuple[Path | None, Project | None, str]:
+        """Take a project file of a scan for one page, which :meth:`release_project` gives back.
+
+        Parameters
+        ----------
+        label : str
+            The scan's name in the menu.
+        prefer : Path, optional
+            The file that a page which comes back has had, taken if no other page has it by now.
+
+        Returns
+        -------
+        path, project, words
+            Where to save, None where nothing can be saved; what is saved there, None for nothing; and what the
+            inspector should know about it, empty for nothing.
+        """
+        scan = self.path(label)
+        if not self._saves_projects:
+            return None, None, ""
+        folder = self._project_dir
+        if folder is None and _is_bundled(scan):
+            return None, None, ""
+        if folder is None and not os.access(scan.parent, os.W_OK):
+            return None, None, f"{scan.parent} cannot be written, so nothing is saved there; start with --project-dir"
+        if folder is not None:
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise WriteError(f"{folder}: cannot be made ({error.strerror}); give another --project-dir") from error
+        first = autosave_path(scan, folder)
+        words = ""
+        with self._lock:
+            if prefer is not None and prefer not in self._claimed:
+                self._claimed.add(prefer)
+                return prefer, None, ""
+            for number in range(1, _MOST_PROJECTS + 1):
+                path = first if number == 1 else autosave_path(scan.with_stem(f"{scan.stem}.{number}"), folder)
+                if path in self._claimed:
+                    continue
+                project, why = _saved_project(path)
+                if why:
+                    # What cannot be read may be somebody's work: it is left alone and the next name is taken.
+                    words = f"{why} It is left as it is"
+                    continue
+                if project is not None and project.scan_file != scan.name:
+                    # stair.ply and stair.pcd share a stem.
+                    continue
+                self._claimed.add(path)
+                return path, project, words
+        return None, None, f"{_MOST_PROJECTS} pages work on this scan; what is changed on this page is not saved"
+
+    def next_project(self, label: str, path: Path) -> Path | None:
+        """Give up a project file that belongs to another scan of the same name, and take one that is not there yet."""
+        folder = path.parent
+        scan = self.path(label)
+        with self._lock:
+            self._claimed.discard(path)
+            for number in range(2, _MOST_PROJECTS + 1):
+                other = autosave_path(scan.with_stem(f"{scan.stem}.{number}"), folder)
+                if other not in self._claimed and not other.exists():
+                    self._claimed.add(other)
+                    return other
+        return None
+
+    def release_project(self, path: Path | None) -> None:
+        """Give a project file back; another page may take it."""
+        if path is not None:
+            with self._lock:
+                self._claimed.discard(path)
+
+    def close(self) -> None:
+        """Delete the uploads."""
+        with self._lock:
+            if self._upload_folder is not None:
+                with contextlib.suppress(OSError):
+                    self._upload_folder.cleanup()
+                self._upload_folder = None
+            self._uploads = {}
+
+
+def label_scans(scans: Sequence[Path]) -> dict[str, Path]:
+    """Return the files by name; where two have the same name, by as much of the path as tells them apart."""
+    labels: dict[str, Path] = {}
+    for path in scans:
+        # A set: a file that was named twice has no twin.
+        twins = {other for other in scans if other.name == path.name}
+        depth = 1
+        while len({other.parts[-depth:] for other in twins}) < len(twins) and depth < len(path.parts):
+            depth += 1
+        labels["/".join(path.parts[-depth:])] = path
+    return labels
+
+
+def upload_types() -> str:
+    """Return what the file dialog of an upload offers."""
+    return ",".join(SUFFIXES)
+
+
+def _is_bundled(scan: Path) -> bool:
+    """Return whether a scan comes with the program, beside which nothing is to be written."""
+    try:
+        return scan.resolve().parent == sample_scans().resolve()
+    except StairError:
+        return False
+
+
+def _saved_project(path: Path) -> tuple[Project | None, str]:
+    """Return the project in a file, and why there is none."""
+    if not path.exists():
+        return None, ""
+    try:
+        return read_project(path), ""
+    except StairError as error:
+        return None, f"The saved work cannot be taken up: {error}."

@@ -1,0 +1,95 @@
+"""How a page hears of what failed: a sentence on the page, and for what nobody foresaw a line in the server's log."""
+
+import contextlib
+import logging
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import viser
+
+from stair_inspector.errors import StairError
+
+logger = logging.getLogger(__name__)
+
+_SHOWN_S = 12.0
+_PATIENCE_S = 0.5
+
+
+class Notices:
+    """Notifications of one page, and the guard around everything that viser calls."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self.is_closed = False
+
+    def tell(self, title: str, words: str, *, is_failure: bool = False) -> None:
+        """Show a notification; nothing once the page has gone."""
+        if not self.is_closed:
+            self._client.add_notification(
+                title, " ".join(words.split()), color="red" if is_failure else None, auto_close_seconds=_SHOWN_S
+            )
+
+    @contextlib.contextmanager
+    def working(self, words: str) -> Iterator[None]:
+        """Show that something is being made, if it takes longer than half a second."""
+        notes: list[Any] = []
+        lock = threading.Lock()
+
+        def show() -> None:
+            with lock:
+                if not self.is_closed and not is_over.is_set():
+                    notes.append(self._client.add_notification(words, "", loading=True, with_close_button=False))
+
+        is_over = threading.Event()
+        timer = threading.Timer(_PATIENCE_S, show)
+        timer.daemon = True
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+            with lock:
+                is_over.set()
+                for note in notes:
+                    note.remove()
+
+    def guard(self, action: Callable[..., None]) -> Callable[..., None]:
+        """Wrap an action so that its failure is a sentence on the page, not a line in the server's log."""
+
+        def guarded(*values: Any) -> None:
+            try:
+                action(*values)
+            except StairError as error:
+                self.tell("Not done", str(error), is_failure=True)
+            except Exception:  # noqa: BLE001 - the outermost frame of a thread of viser's, which would only print it
+                self.log("an action of a page failed")
+                self.tell(
+                    "Not done",
+                    "an internal error stopped this action; the server's log has the details. The page goes on",
+                    is_failure=True,
+                )
+
+        return guarded
+
+    def log(self, words: str) -> None:
+        """Log an unforeseen failure with its traceback: once a page has gone, failing is what is left."""
+        logger.log(logging.DEBUG if self.is_closed else logging.ERROR, words, exc_info=True)
+
+
+def from_page(action: Callable[..., None], read: Callable[[], Any] | None = None) -> Callable[[Any], None]:
+    """Return a callback that calls an action for what a person did, not for what the server itself has set.
+
+    Parameters
+    ----------
+    action : callable
+        Called with what ``read`` returns, or with nothing.
+    read : callable, optional
+        Returns the control's value: that of now, since viser runs callbacks on many threads at once.
+    """
+
+    def called(event: Any) -> None:
+        if event.client is not None:
+            action(*(() if read is None else (read(),)))
+
+    return called

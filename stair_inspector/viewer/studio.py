@@ -1,0 +1,80 @@
+"""Takes pictures with the inspector's own page: the camera goes where the picture is taken, and afterwards back.
+
+The page sizes points and labels for its own camera and window; a picture from elsewhere would have letters as large as
+steps. Wired so, never in an asynchronous callback: ``with studio(client, stage, width, height) as render:`` and then
+``render(pose, fov_rad)`` for each picture, or ``pictures_zip(..., render, ...)`` for all views.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import viser
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.geometry.arrays import Colors
+from stair_inspector.viewer.cameras import Pose
+from stair_inspector.viewer.pictures import camera_wxyz
+from stair_inspector.viewer.scene import Stage
+
+_TIMEOUT_S = 60.0
+_FRAMES = 3
+_FENCE = "stair_inspector.fence"
+"""Nothing is kept under this name: asking for it returns when the page has done what it was told before."""
+
+
+@contextmanager
+def studio(
+    client: viser.ClientHandle, stage: Stage, width: int, height: int, timeout_s: float = _TIMEOUT_S
+) -> Iterator[Callable[[Pose, float], Colors]]:
+    """Lend the page's camera for pictures of a size, and put it back whatever happens.
+
+    Yields
+    ------
+    callable
+        Of a camera and its upright angle of view, radians; returns the pixels (height, width, 4), transparent where
+        nothing is. Raises ConfigError where the page does not deliver, as when it is closed or hidden.
+    """
+    camera = client.camera
+    before = Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
+    fov_rad, size_m = float(camera.fov), stage.point_size_m
+    # Points are drawn in pixels of the window: in a larger picture gaps would open between them.
+    stage.set_point_size(size_m * height / max(camera.image_height, 1))
+
+    def render(pose: Pose, fov: float) -> Colors:
+        try:
+            place_camera(client, pose, fov)
+            # Points and labels are sized in the frame after the one in which the camera moves.
+            for _ in range(_FRAMES):
+                client.local_storage.get_item(_FENCE, timeout=timeout_s)
+            pixels = client.get_render(
+                height,
+                width,
+                wxyz=camera_wxyz(pose),
+                position=pose.position,
+                fov=fov,
+                transport_format="png",
+                timeout=timeout_s,
+            )
+        except (TimeoutError, RuntimeError) as error:
+            raise ConfigError(
+                "screenshot: the page did not deliver the picture; bring it to the front and try again"
+            ) from error
+        return np.asarray(pixels, dtype=np.uint8)
+
+    try:
+        yield render
+    finally:
+        stage.set_point_size(size_m)
+        place_camera(client, before, fov_rad)
+
+
+def place_camera(client: viser.ClientHandle, pose: Pose, fov_rad: float) -> None:
+    """Put the page's camera somewhere, all at once."""
+    camera = client.camera
+    with client.atomic():
+        camera.fov = fov_rad
+        camera.up_direction = pose.up
+        camera.position = pose.position
+        # Setting the position drags the point looked at along.
+        camera.look_at = pose.look_at

@@ -1,0 +1,60 @@
+"""Uploads are checked before they are received: viser itself takes any file of any size into memory."""
+
+from collections.abc import Callable
+from typing import Any
+
+import viser
+import viser._messages
+
+from stair_inspector.errors import StairError
+
+_SHOWN_S = 15.0
+LARGEST_SMALL_BYTES = 5_000_000
+"""Of uploads that are no scans: presets and projects."""
+SMALL_SUFFIXES = (".toml", ".json")
+
+
+def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None]) -> None:
+    """Refuse uploads that ``check(name, size)`` raises for, and parts that are more than was said.
+
+    The names used here are private to viser, hence the exact version in ``pyproject.toml`` and tests that upload.
+    """
+    gui: Any = client.gui
+    start_of, part_of = viser._messages.FileTransferStartUpload, viser._messages.FileTransferPart
+    connection: Any = gui._websock_interface
+    connection.unregister_handler(start_of, gui._handle_file_transfer_start)
+    connection.unregister_handler(part_of, gui._handle_file_transfer_part)
+
+    def start(client_id: int, message: Any) -> None:
+        try:
+            _check(str(message.filename), message.size_bytes, check)
+        except StairError as error:
+            # The page waits for the parts to be acknowledged, and shows so.
+            connection.queue_message(
+                viser._messages.FileTransferPartAck(
+                    source_component_uuid=message.source_component_uuid,
+                    transfer_uuid=message.transfer_uuid,
+                    transferred_bytes=message.size_bytes,
+                    total_bytes=message.size_bytes,
+                )
+            )
+            client.add_notification("Not done", str(error), color="red", auto_close_seconds=_SHOWN_S)
+            return
+        gui._handle_file_transfer_start(client_id, message)
+
+    def part(client_id: int, message: Any) -> None:
+        state = gui._current_file_upload_states.get(message.transfer_uuid)
+        if state is not None and state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
+            gui._current_file_upload_states.pop(message.transfer_uuid, None)
+            return
+        gui._handle_file_transfer_part(client_id, message)
+
+    connection.register_handler(start_of, start)
+    connection.register_handler(part_of, part)
+
+
+def _check(name: str, size: object, check: Callable[[str, int], None]) -> None:
+    n_bytes = size if isinstance(size, int) else 0
+    if name.lower().endswith(SMALL_SUFFIXES) and 0 < n_bytes <= LARGEST_SMALL_BYTES:
+        return
+    check(name, n_bytes)

@@ -1,0 +1,37 @@
+"""What takes long says so, and can be stopped: the page goes on with what it had."""
+
+import pytest
+
+from stair_inspector.files.simulations import simulate_to_file
+from stair_inspector.params import Params
+from stair_inspector.simulate.specs import Scanner, Stair
+from stair_inspector.viewer.app import App
+from tests.browser.inspector_page import click_at_once
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_long_run_is_cancelled_and_run_again(browser, tmp_path, scans, open_page):
+    scanner = Scanner(max_points=400_000, azimuth_step_deg=0.06, elevation_step_deg=0.06, spacing_m=0.002)
+    simulate_to_file(tmp_path / "large.ply", Stair(n_risers=10), scanner)
+    app = App([scans[0], tmp_path / "large.ply"], Params(), port=0, saves_projects=False)
+    try:
+        page = open_page(port=app.port)
+        before = page.survey_table()
+        page.hotkey("Control+z")
+        page.await_notification("there is nothing to undo")
+        page.tab("Scan")
+        page.choose("Scan", "large.ply")
+        page.page.get_by_role("progressbar").wait_for()
+        assert "…" in page.text("state")
+        click_at_once(page.page.get_by_role("button", name="Cancel", exact=True))
+        assert "cancelled" in page.await_error()
+        assert page.survey_table() == before
+        assert page.text("scan").startswith("stair.ply")
+        assert page.opacity_of_results() < 0.6
+        page.page.get_by_role("button", name="Run again").click()
+        page.page.locator("[data-testid=scan]", has_text="large.ply").wait_for(timeout=120_000)
+        page.await_result()
+        assert len(page.survey_table()) == 10
+    finally:
+        app.stop()

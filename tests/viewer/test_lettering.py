@@ -1,0 +1,63 @@
+"""Words in pictures: drawn as wide as they say, wrapped inside their room, and never a letter that is a box."""
+
+import numpy as np
+import pytest
+from PIL import Image, ImageDraw
+
+from stair_inspector.viewer import lettering
+from stair_inspector.viewer.lettering import Lettering
+
+INK = (10, 20, 30)
+LETTERS = ("used: θ_th 15° · ε_z 20 mm → α 95/5 %", "계단 2층", "plain words", "±0.4 mm − 3 × 2 m²")
+
+
+def pen_on(size=20, outline=0, ground=(255, 255, 255, 0)):
+    image = Image.new("RGBA", (600, 80), ground)
+    return image, Lettering(ImageDraw.Draw(image), size, INK, outline)
+
+
+@pytest.fixture(params=["fonts of this machine", "no fonts"])
+def fonts(request, monkeypatch):
+    if request.param == "no fonts":
+        monkeypatch.setattr(lettering, "_FONTS", ())
+    return request.param
+
+
+@pytest.mark.parametrize("words", LETTERS)
+def test_the_ink_of_a_text_fills_the_width_it_says(fonts, words):
+    image, pen = pen_on()
+    pen.write(10, 20, words)
+    inked = np.nonzero(np.asarray(image)[..., 3].any(axis=0))[0]
+    assert inked[0] >= 9
+    assert inked[-1] - 10 == pytest.approx(pen.width(words), abs=6)
+
+
+def test_a_letter_that_no_font_has_is_a_question_mark_and_what_is_no_letter_is_a_space(monkeypatch):
+    assert lettering._fit("a\nb\tc\ue123", 20)[1] == "a b c "
+    monkeypatch.setattr(lettering, "_FONTS", ())
+    assert lettering._fit("\ua000 stair", 20)[1] == "? stair"
+
+
+def test_without_fonts_the_signs_of_the_settings_are_spelt(monkeypatch):
+    monkeypatch.setattr(lettering, "_FONTS", ("this-font-does-not-exist.ttf",))
+    words = lettering._fit("θ_th 15° · ε_z ± 한", 20)[1]
+    assert words == "theta_th 15° · eps_z ± ?"
+
+
+@pytest.mark.parametrize("width", [90, 200, 590])
+def test_wrapped_lines_fit_and_lose_no_word(fonts, width):
+    _, pen = pen_on()
+    words = "used: survey " + "· a long setting of a run " * 4 + "x" * 70
+    lines = pen.wrap(words, width)
+    assert all(pen.width(line) <= width for line in lines)
+    assert "".join("".join(lines).split()) == "".join(words.split())
+    assert len(lines) > 1
+    assert pen.wrap("", width) == []
+
+
+def test_an_outline_keeps_letters_readable_on_a_dark_ground():
+    image, pen = pen_on(outline=2, ground=(0, 0, 0, 255))
+    pen.write(10, 20, "stair")
+    pixels = np.asarray(image)[..., :3].reshape(-1, 3).astype(int)
+    assert (pixels.sum(axis=1) > 700).sum() > 100
+    assert (np.abs(pixels - INK).sum(axis=1) < 30).sum() > 50

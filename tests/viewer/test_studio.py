@@ -1,0 +1,101 @@
+"""Pictures taken with the inspector's page: the camera is lent, and given back whatever happens."""
+
+import contextlib
+import math
+
+import numpy as np
+import pytest
+import viser
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.viewer.cameras import FOV_RAD, Pose
+from stair_inspector.viewer.pictures import camera_wxyz
+from stair_inspector.viewer.scene import Stage, view_from_local
+from stair_inspector.viewer.studio import studio
+from tests.viewer.surveyed import surveyed
+
+POSE = Pose(np.array([0.0, -5.0, 1.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0]))
+WIDTH, HEIGHT = 1600, 1000
+
+
+class Camera:
+    """A camera that, as viser's does, drags the point looked at along when it is moved."""
+
+    def __init__(self):
+        self._position, self.look_at = np.array([3.0, 3.0, 3.0]), np.array([0.0, 0.5, 0.0])
+        self.up_direction, self.fov, self.image_height = np.array([0.0, 0.0, 1.0]), 1.2, 500
+
+    @property
+    def position(self):
+        return self._position
+
+    @position.setter
+    def position(self, place):
+        self.look_at = self.look_at + np.asarray(place) - self._position
+        self._position = np.asarray(place)
+
+    def state(self):
+        return [*self.position, *self.look_at, *self.up_direction, self.fov]
+
+
+class Page:
+    """A page that renders a picture of one colour, and remembers how it stood when it was asked to."""
+
+    def __init__(self, scene, failure=None):
+        self.scene, self.camera, self.local_storage = scene, Camera(), self
+        self.asked, self.fences, self._failure = [], 0, failure
+
+    def atomic(self):
+        return contextlib.nullcontext()
+
+    def get_item(self, key, timeout):
+        self.fences += 1
+
+    def get_render(self, height, width, **how):
+        if self._failure is not None:
+            raise self._failure
+        self.asked.append((self.camera.state(), self.fences, how))
+        return np.full((height, width, 4), 9, dtype=np.uint8)
+
+
+@pytest.fixture(scope="module")
+def server():
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def stage(server):
+    _, inspection, display = surveyed()
+    stage = Stage(server)
+    stage.show_scan(display, view_from_local(inspection), 0.01)
+    yield stage
+    stage.clear()
+
+
+def test_the_camera_stands_where_the_picture_is_taken_and_goes_back(stage):
+    page = Page(stage.client.scene)
+    before = page.camera.state()
+    with studio(page, stage, WIDTH, HEIGHT) as render:
+        assert render(POSE, FOV_RAD).shape == (HEIGHT, WIDTH, 4)
+        # The window is half as tall: in the picture points need twice the pixels.
+        assert stage.point_size_m == pytest.approx(0.02)
+    state, fences, how = page.asked[0]
+    assert state == pytest.approx([*POSE.position, *POSE.look_at, *POSE.up, FOV_RAD])
+    assert fences >= 2
+    assert how["wxyz"] == camera_wxyz(POSE)
+    assert (how["fov"], how["transport_format"]) == (FOV_RAD, "png")
+    assert math.isfinite(how["timeout"])
+    assert page.camera.state() == pytest.approx(before)
+    assert stage.point_size_m == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("failure", [TimeoutError("late"), RuntimeError("gone")])
+def test_a_page_that_does_not_deliver_is_a_sentence_and_gets_its_camera_back(stage, failure):
+    page = Page(stage.client.scene, failure)
+    before = page.camera.state()
+    with pytest.raises(ConfigError, match="bring it to the front"), studio(page, stage, WIDTH, HEIGHT) as render:
+        render(POSE, FOV_RAD)
+    assert page.camera.state() == pytest.approx(before)
+    assert stage.point_size_m == pytest.approx(0.01)

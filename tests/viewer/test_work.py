@@ -1,0 +1,181 @@
+"""What an inspector has done is kept: in memory for pages that come back, and as project files."""
+
+import dataclasses
+import json
+
+import pytest
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.files.projects import KeptRun, Measurement, read_project
+from stair_inspector.params import Params
+from stair_inspector.viewer.library import Library
+from stair_inspector.viewer.work import Keeper, KeptWishes, Wish, Work, work_of
+
+SHA = "0" * 63 + "1"
+OTHER = Params().replaced("levels.eps_m", 0.03)
+
+
+@pytest.fixture
+def library(tmp_path):
+    for name in ("a.ply", "b.ply"):
+        (tmp_path / name).write_bytes(b"x")
+    return Library([tmp_path])
+
+
+@pytest.fixture
+def keeper(library):
+    told = []
+    keeper = Keeper(library, lambda path, error: told.append((path, error)))
+    path, project, _ = library.claim_project("a.ply")
+    assert project is None
+    keeper.begin("a.ply", Work(Params()), path)
+    yield keeper
+    keeper.close()
+
+
+def wish(name):
+    return Wish(name, Work(Params()))
+
+
+def test_a_browser_takes_up_each_of_its_closed_pages_once_and_nobody_elses():
+    kept = KeptWishes()
+    first, second, other = wish("a"), wish("b"), wish("c")
+    kept.leave("mine", first)
+    kept.leave("theirs", other)
+    kept.leave("mine", second)
+    assert [kept.take_up("mine"), kept.take_up("mine"), kept.take_up("mine")] == [second, first, None]
+    assert kept.take_up("theirs") == other
+
+
+def test_what_is_kept_is_bounded():
+    kept = KeptWishes()
+    for k in range(200):
+        kept.leave(f"browser {k}", wish("a"))
+        kept.leave("many", wish(str(k)))
+    assert kept.take_up("browser 0") is None
+    assert kept.take_up("browser 199") is not None
+    assert len([each for each in iter(lambda: kept.take_up("many"), None) if each]) == 10
+
+
+def test_changes_are_undone_in_turn_and_a_drag_is_one(keeper):
+    start = keeper.work
+    for eps_m in (0.021, 0.022, 0.03):
+        keeper.change("eps_z", "levels.eps_m", params=Params().replaced("levels.eps_m", eps_m))
+    keeper.change("title", title="Hall")
+    assert keeper.work == Work(OTHER, title="Hall")
+    assert keeper.undo() == Work(OTHER)
+    assert keeper.undo() == start
+    assert keeper.redo() == Work(OTHER)
+
+
+def test_work_is_saved_once_the_scan_is_known_and_comes_back_whole(keeper, library, tmp_path):
+    measured = (Measurement("Distance 1", ((0.0, 0.0, 0.0), (1.0, 0.0, 0.5))),)
+    keeper.change("all", params=OTHER, title="Hall", measurements=measured, runs=(KeptRun("A", Params()),))
+    keeper.save()
+    assert not (tmp_path / "a.stair.json").exists()
+    keeper.know_scan("a.ply", SHA)
+    keeper.save()
+    project = read_project(tmp_path / "a.stair.json")
+    assert (project.scan_file, project.scan_sha256) == ("a.ply", SHA)
+    assert work_of(project) == keeper.work
+    assert not [path for path in tmp_path.iterdir() if path.suffix not in (".ply", ".json")]
+
+
+def test_nothing_is_written_for_a_scan_that_was_only_looked_at(keeper, tmp_path):
+    keeper.know_scan("a.ply", SHA)
+    keeper.save()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.ply", "b.ply"]
+
+
+def test_two_pages_on_one_scan_have_files_of_their_own(keeper, library, tmp_path):
+    path, project, _ = library.claim_project("a.ply")
+    assert (path, project) == (tmp_path / "a.2.stair.json", None)
+    library.release_project(path)
+    assert library.claim_project("a.ply")[0] == path
+
+
+def test_what_was_saved_is_found_again_by_the_next_server(keeper, tmp_path):
+    keeper.change("eps", params=OTHER)
+    keeper.know_scan("a.ply", SHA)
+    keeper.close()
+    path, project, words = Library([tmp_path]).claim_project("a.ply")
+    assert path == tmp_path / "a.stair.json"
+    assert project.params == OTHER
+    assert words == ""
+
+
+def test_a_project_that_cannot_be_read_is_left_alone_and_said(library, tmp_path):
+    (tmp_path / "a.stair.json").write_text("{")
+    path, project, words = library.claim_project("a.ply")
+    assert (path, project) == (tmp_path / "a.2.stair.json", None)
+    assert "not valid JSON" in words
+    assert "left as it is" in words
+
+
+def test_the_project_of_another_scan_with_the_same_stem_is_passed_over(keeper, tmp_path):
+    keeper.change("eps", params=OTHER)
+    keeper.know_scan("a.ply", SHA)
+    keeper.close()
+    (tmp_path / "a.pcd").write_bytes(b"y")
+    path, project, words = Library([tmp_path]).claim_project("a.pcd")
+    assert (path, project, words) == (tmp_path / "a.2.stair.json", None, "")
+
+
+def test_projects_go_where_they_are_told_or_nowhere(tmp_path):
+    (tmp_path / "a.ply").write_bytes(b"x")
+    library = Library([tmp_path / "a.ply"], tmp_path / "projects")
+    assert library.claim_project("a.ply")[0] == tmp_path / "projects" / "a.stair.json"
+    library = Library([tmp_path / "a.ply"], saves_projects=False)
+    assert library.claim_project("a.ply") == (None, None, "")
+
+
+def test_nothing_is_written_beside_the_programs_own_samples():
+    from stair_inspector.files.paths import sample_scans
+
+    assert Library([sample_scans()]).claim_project("straight.ply") == (None, None, "")
+
+
+def test_a_scan_that_appears_in_the_folder_is_found(library, tmp_path):
+    assert library.labels() == ("a.ply", "b.ply")
+    (tmp_path / "c.ply").write_bytes(b"x")
+    library.refresh()
+    assert library.labels() == ("a.ply", "b.ply", "c.ply")
+
+
+def test_an_upload_is_kept_until_the_end_under_a_name_of_its_own(library):
+    label = library.add_upload("../../a.ply", b"ply...")
+    assert label == "a (2).ply"
+    path = library.path(label)
+    assert path.read_bytes() == b"ply..."
+    assert library.labels() == ("a.ply", "b.ply")
+    assert library.labels((label,)) == ("a.ply", "b.ply", label)
+    library.close()
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "words"),
+    [
+        ("a.exe", 10, "is no scan by its name"),
+        ("a.ply", 0, "is empty"),
+        ("a.ply", 500_000_001, "500 MB are allowed"),
+        ("<b>", 10, "is no scan by its name"),
+    ],
+)
+def test_an_upload_that_is_no_scan_or_too_large_is_a_sentence(library, name, size, words):
+    with pytest.raises(ConfigError, match=words):
+        library.check_upload(name, size)
+
+
+def test_a_project_holds_every_part_of_the_work():
+    fields = {field.name for field in dataclasses.fields(Work)}
+    assert fields == {"params", "title", "measurements", "views", "runs"}
+
+
+def test_the_project_of_a_page_is_the_file_that_measure_takes(keeper, tmp_path):
+    keeper.change("eps", params=OTHER)
+    assert keeper.project() is None
+    keeper.know_scan("a.ply", SHA)
+    assert keeper.project().params == OTHER
+    keeper.save()
+    assert json.loads((tmp_path / "a.stair.json").read_text())["settings"]["levels"]["eps_m"] == 0.03
