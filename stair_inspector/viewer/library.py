@@ -14,6 +14,7 @@ from stair_inspector.files.projects import Project, autosave_path, read_project
 from stair_inspector.files.scans import SUFFIXES, find_scans
 
 DEFAULT_UPLOAD_LIMIT_MB = 500.0
+_LARGEST_UPLOAD_MB = 1e6
 _MOST_UPLOADS = 50
 _LONGEST_NAME = 120
 _MOST_PROJECTS = 50
@@ -43,8 +44,10 @@ class Library:
         saves_projects: bool = True,
         upload_limit_mb: float = DEFAULT_UPLOAD_LIMIT_MB,
     ) -> None:
-        if not upload_limit_mb > 0.0:
-            raise ConfigError(f"--upload-limit-mb: got {upload_limit_mb:g}; give a number above 0")
+        if not 0.0 < upload_limit_mb <= _LARGEST_UPLOAD_MB:
+            raise ConfigError(
+                f"--upload-limit-mb: got {upload_limit_mb:g}; give a number above 0, at most {_LARGEST_UPLOAD_MB:g}"
+            )
         self.upload_limit_bytes = int(upload_limit_mb * 1e6)
         self._given = list(scans)
         self._project_dir = project_dir

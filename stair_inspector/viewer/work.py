@@ -197,6 +197,8 @@ class Keeper:
                     bench.is_changed = False
                     save_project(bench.path, project)
                 except StairError as error:
+                    # Tried again with the next change, and when the page closes.
+                    bench.is_changed = True
                     self.on_saved(None, str(error))
                 else:
                     self.on_saved(bench.path, "")

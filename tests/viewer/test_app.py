@@ -237,8 +237,9 @@ def test_view_hands_over_folders_so_that_they_can_be_looked_into_again(view, tmp
     ("args", "text"),
     [
         (["--project-dir", "{scan}"], "{scan}: is a file, not a folder; give another folder with --project-dir"),
-        (["--upload-limit-mb", "0"], "--upload-limit-mb: got 0; give a number above 0"),
-        (["--upload-limit-mb", "nan"], "--upload-limit-mb: got nan; give a number above 0"),
+        (["--upload-limit-mb", "0"], "--upload-limit-mb: got 0; give a number above 0, at most 1e+06"),
+        (["--upload-limit-mb", "nan"], "--upload-limit-mb: got nan; give a number above 0, at most 1e+06"),
+        (["--upload-limit-mb", "inf"], "--upload-limit-mb: got inf; give a number above 0, at most 1e+06"),
         (["--upload-limit-mb", "much"], "view: --upload-limit-mb: got 'much'; give a number; see --help"),
         (["{folder}/missing.ply"], "{folder}/missing.ply: there is no such file; check the path"),
     ],

@@ -81,6 +81,17 @@ def test_work_is_saved_once_the_scan_is_known_and_comes_back_whole(keeper, libra
     assert not [path for path in tmp_path.iterdir() if path.suffix not in (".ply", ".json")]
 
 
+def test_a_save_that_failed_is_tried_again(keeper, tmp_path):
+    keeper.know_scan("a.ply", SHA)
+    keeper.change("title", title="Hall")
+    in_the_way = tmp_path / "a.stair.json"
+    in_the_way.mkdir()
+    keeper.save()
+    in_the_way.rmdir()
+    keeper.save()
+    assert read_project(in_the_way).title == "Hall"
+
+
 def test_nothing_is_written_for_a_scan_that_was_only_looked_at(keeper, tmp_path):
     keeper.know_scan("a.ply", SHA)
     keeper.save()
