@@ -67,6 +67,7 @@ class Comparing:
         self._chosen = ""
         runs = tuple(each for each in self._editor.work.runs if each is not run)
         self._editor.change(f"forgot run {run.name}", runs=runs)
+        self._tab.run_name.value = _next_name([each.name for each in runs])
 
     def show(self) -> None:
         """List the kept runs, and show the differences from the chosen one."""
