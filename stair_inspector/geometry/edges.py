@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints, freeze
-from stair_inspector.geometry.percentiles import percentile_of_sorted
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, percentile_of_sorted
 
 Half = Literal["all", "above", "below"]
 Side = Literal["above", "below"]
@@ -43,7 +43,6 @@ _LEAST_FACE_POINTS = 12
 _DROOP_SIGMA, _LEAST_DEEP = 1.5, 0.5
 """A face goes on beyond what noise does to a rim: of the points that an even face has there, this share at least."""
 _LEAST_PER_BIN = 4
-_MAD_TO_SIGMA = 1.4826
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,7 +131,7 @@ def fit_line_robust(x: Floats, y: Floats, sigma: Floats, is_level: bool = False)
     middle = x_middle = 0.0
     previous, span = math.inf, float(np.ptp(x))
     for _ in range(_ROUNDS):
-        spread_of = _MAD_TO_SIGMA * _median(np.abs(residual))
+        spread_of = MAD_TO_SIGMA * _median(np.abs(residual))
         scaled = residual / (_TUKEY * np.maximum(spread_of, sigma))
         robust = np.where(np.abs(scaled) < 1.0, (1.0 - scaled**2) ** 2, 0.0) * weight
         if np.count_nonzero(robust) < 2:

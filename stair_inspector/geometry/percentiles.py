@@ -1,8 +1,13 @@
-"""numpy's linear percentile as a look-up in values that are already sorted."""
+"""numpy's linear percentile as a look-up in values that are already sorted, and what medians are worth."""
 
 import math
 
 from stair_inspector.geometry.arrays import Floats
+
+MAD_TO_SIGMA = 1.4826
+"""Standard deviation of normal values over the median of their absolute deviations."""
+MEDIAN_NOISE = 1.25
+"""Standard uncertainty of the median of normal values over that of their mean."""
 
 
 def percentile_of_sorted(ordered: Floats, percent: float) -> float:

@@ -8,11 +8,12 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_extent_edge, find_face_edge
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
 from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.patches import fit_trimmed
-from stair_inspector.stages.planes import FINE_M, MAD_TO_SIGMA, STRIP_M, block_means, fit_local, plane_of
+from stair_inspector.stages.planes import FINE_M, STRIP_M, block_means, fit_local, plane_of
 
 _FACE_NEAR_SIGMA = 1.6
 _FACE_NEAR_M = 0.003
@@ -50,7 +51,6 @@ _STRIP_SIGMAS, _LEAST_ODD_M = 3.0, 0.005
 _STRIP_POSE_SIGMA, _MOST_WORN_M = 0.2, 0.01
 """What passes of a scanner leave between parts of a strip, as a share of the noise; deeper is not wear but damage."""
 _FEWEST_IN_STRIP = 10
-_MEDIAN_NOISE = 1.25
 _FEWEST_FOR_SIDES = 3
 _SIDE_DIFFERS_M = 0.05
 _WEDGE_M = 0.05
@@ -343,7 +343,7 @@ def _strip_height(r: Floats, plane: LocalPlane) -> tuple[float, float]:
     """Return the median height of a strip's points and its standard uncertainty, infinite for too few points."""
     if len(r) < _FEWEST_IN_STRIP:
         return 0.0, math.inf
-    return float(np.median(r)), _MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(r))
+    return float(np.median(r)), MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(r))
 
 
 def _guessed(place_m: float, span: tuple[float, float]) -> EdgeLine:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints, freeze, project
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 from stair_inspector.model import Horizontal, LocalPlane, Surface
 from stair_inspector.stages.patches import fit_trimmed
 
@@ -12,7 +13,6 @@ STRIP_M = 0.6
 """Of a floor or landing only so much counts: beyond, it may lean otherwise."""
 FINE_M = 0.02
 """Side of the blocks to whose means a plane is fitted."""
-MAD_TO_SIGMA = 1.4826
 _BLOCK_M = 0.08
 """Side of the blocks whose scatter tells how sure the plane is: larger than what noise has in common."""
 _MOST_TO_FIT = 30_000

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, own
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
 from stair_inspector.model import Normals, Note, Scan, Surface, Up
 from stair_inspector.params import FlightsParams, HorizontalParams, LevelsParams, PatchesParams
 from stair_inspector.stages.flights import find_chains
@@ -24,8 +25,6 @@ _SURE_DEG = 0.12
 _SIGMAS = 3.0
 _LEVELLED_DEG = 3.0
 """Scans whose z axis is as near as this to floor or treads were levelled by their scanner."""
-_MAD_TO_SIGMA = 1.4826
-_MEDIAN_NOISE = 1.25
 _GOING_M = 0.28
 _BLOCK_M = 0.25
 
@@ -132,14 +131,14 @@ def _slopes(scan: Scan, normals: Normals, up: Up) -> _Slopes | None:
         return None
     slopes = np.array([patches.surfaces[k].slope for k in numbers])
     middle = np.median(slopes, axis=0)
-    scatter = _MAD_TO_SIGMA * float(np.median(np.abs(slopes - middle)))
+    scatter = MAD_TO_SIGMA * float(np.median(np.abs(slopes - middle)))
     normal = np.array([-middle[0], -middle[1], 1.0])
     bases = {chain.base for chain in chains.chains if chain.base is not None}
     noises = [_slope_noise(patches.surfaces[k]) for k in bases]
     return _Slopes(
         n_treads=len(numbers),
         tread_slope=middle,
-        tread_noise_deg=math.degrees(_MEDIAN_NOISE * scatter / math.sqrt(len(numbers))),
+        tread_noise_deg=math.degrees(MEDIAN_NOISE * scatter / math.sqrt(len(numbers))),
         base_noise_deg=None if not noises else math.degrees(min(noises)),
         up_from_treads=horizontal.level_from_scan.T @ (normal / np.linalg.norm(normal)),
     )

@@ -9,6 +9,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 from stair_inspector.model import HeightOrder
 from stair_inspector.params import FlightsParams, Params, knob_of
 
@@ -24,7 +25,6 @@ _NEIGHBOURS, _SPACING_SAMPLE, _FLATTENING = 8, 2000, 0.25
 _PROBE_M, _GRID_M = 0.006, 0.002
 _BESIDE_M: Floats = np.linspace(-0.01, 0.01, 11)
 _MOST_HEIGHTS = 100_000
-_MAD_TO_SIGMA = 1.4826
 _LEAST_EPS_M = 0.005
 _EPS_SIGMAS = 3.0
 _EPS_PER_GAP = 0.2
@@ -216,7 +216,7 @@ def _find_thickness(z_m: Floats, levels_m: list[float], reach_m: float) -> float
     spreads = []
     for level_m in levels_m:
         near = z_m[np.searchsorted(z_m, level_m - reach_m) : np.searchsorted(z_m, level_m + reach_m)]
-        spreads.append(_MAD_TO_SIGMA * float(np.median(np.abs(near - np.median(near)))))
+        spreads.append(MAD_TO_SIGMA * float(np.median(np.abs(near - np.median(near)))))
     return float(np.median(spreads))
 
 
