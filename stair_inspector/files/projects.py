@@ -9,7 +9,7 @@ import math
 import re
 import stat
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -118,8 +118,7 @@ class Project:
             entries = tuple(getattr(self, field))
             if not all(isinstance(entry, kind) for entry in entries):
                 raise ConfigError(f"{field}: give values of {kind.__name__} only")
-            if len(entries) > _MOST_ENTRIES:
-                raise ConfigError(f"{field}: got {len(entries)}; keep at most {_MOST_ENTRIES}")
+            check_length(field, entries)
             object.__setattr__(self, field, entries)
 
 
@@ -282,14 +281,25 @@ def _names_of(kind: type) -> tuple[str, ...]:
     return tuple(field.name for field in dataclasses.fields(kind))
 
 
+def check_length(field: str, entries: Sequence[object]) -> None:
+    """Check that a project can hold so many measurements, views or runs.
+
+    Raises
+    ------
+    ConfigError
+        There are too many.
+    """
+    if len(entries) > _MOST_ENTRIES:
+        raise ConfigError(f"{field}: got {len(entries)}; keep at most {_MOST_ENTRIES}, delete some")
+
+
 def _read_list(
     values: dict[str, Any], field: str, keys: Iterable[str], make: Callable[[dict[str, Any], str], T]
 ) -> tuple[T, ...]:
     entries = values[field]
     if not isinstance(entries, list):
         raise ConfigError(f"{field}: got {str(entries)[:60]!r}; give a list")
-    if len(entries) > _MOST_ENTRIES:
-        raise ConfigError(f"{field}: got {len(entries)}; keep at most {_MOST_ENTRIES}")
+    check_length(field, entries)
     made = []
     for number, entry in enumerate(entries, start=1):
         place = f"{field}, entry {number}"

@@ -109,7 +109,7 @@ class SettingControls:
         """Add a menu for a setting."""
         label, options = CHOICES[name]
         self._watch(
-            name, self._gui.add_dropdown(label, options, initial_value=_value(self._base, name), hint=help_of(name))
+            name, self._gui.add_dropdown(label, options, initial_value=self._base.value(name), hint=help_of(name))
         )
 
     def add_up(self) -> None:
@@ -124,7 +124,7 @@ class SettingControls:
 
     def add_text(self, name: str) -> None:
         """Add a text field; what is written there counts from :meth:`submit_texts`."""
-        value = _value(self._base, name)
+        value = self._base.value(name)
         self._controls[name] = self._gui.add_text(TEXTS[name], value, hint=help_of(name))
         self._submitted[name] = value
 
@@ -160,9 +160,9 @@ class SettingControls:
                 control.value = _up_option(params.up)
                 self._up_vector.value = _up_vector(params.up)
             elif name in TEXTS:
-                control.value = self._submitted[name] = _value(params, name)
+                control.value = self._submitted[name] = params.value(name)
             else:
-                control.value = _value(params, name)
+                control.value = params.value(name)
 
     def submit_texts(self, *names: str) -> None:
         """Let what is written in these text fields count; in all of them without a name."""
@@ -213,9 +213,9 @@ def words_of_change(before: Params, after: Params) -> tuple[str, str]:
     ('ε_z 20 mm to 30 mm', 'levels.eps_m')
     """
     changes = [
-        (name, _value(before, name), _value(after, name))
+        (name, before.value(name), after.value(name))
         for name in setting_names()
-        if _value(before, name) != _value(after, name)
+        if before.value(name) != after.value(name)
     ]
     names = ", ".join(name for name, _, _ in changes)
     if len(changes) != 1:
@@ -269,15 +269,8 @@ def _is_whole(name: str) -> bool:
     return fields_of(GROUPS[group])[field][0] is int
 
 
-def _value(params: Params, name: str) -> Any:
-    owner: Any = params
-    for part in name.split("."):
-        owner = getattr(owner, part)
-    return owner
-
-
 def _shown(name: str, params: Params) -> Any:
-    shown = knob_of(name).shown(_value(params, name))
+    shown = knob_of(name).shown(params.value(name))
     return int(shown) if _is_whole(name) else float(shown)
 
 

@@ -2,7 +2,7 @@
 
 import threading
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, Unpack
 
 import numpy as np
 import viser
@@ -16,7 +16,7 @@ from stair_inspector.viewer.display import Display
 from stair_inspector.viewer.notices import Notices
 from stair_inspector.viewer.scene import Stage
 from stair_inspector.viewer.units import Unit
-from stair_inspector.viewer.work import Work
+from stair_inspector.viewer.work import Changes, Work
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +95,10 @@ class Editor(Protocol):
     def apply(self, params: Params, words: str) -> None:
         """Set the controls to other settings and run."""
 
-    def change(self, words: str, **fields: object) -> None:
+    def take_up(self, work: Work, words: str) -> None:
+        """Go on with other work, all in one change, and run."""
+
+    def change(self, words: str, **fields: Unpack[Changes]) -> None:
         """Change other parts of the work, and show them."""
 
     def submit(self) -> None:

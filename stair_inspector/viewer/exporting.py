@@ -1,7 +1,6 @@
 """What an inspector takes away: the result's files, pictures and the project."""
 
 import contextlib
-import dataclasses
 import datetime
 import threading
 from collections.abc import Callable, Iterator
@@ -87,10 +86,7 @@ class Exporting:
         shown = self._desk.result("open project")
         project = parse_project(file.content, str(file.name)[:80])
         check_scan(project, shown.scan.sha256, shown.label, str(file.name)[:80])
-        work = work_of(project)
-        fields = {field.name: getattr(work, field.name) for field in dataclasses.fields(work) if field.name != "params"}
-        self._editor.change(f"opened {str(file.name)[:40]}", **fields)
-        self._editor.apply(work.params, f"opened {str(file.name)[:40]}")
+        self._editor.take_up(work_of(project), f"opened {str(file.name)[:40]}")
 
     def show_saved(self, path: Path | None, error: str) -> None:
         """Say where the project is saved, or why it is not."""

@@ -108,8 +108,3 @@ class History(Generic[T]):
         self._at = min(len(self._changes) - 1, self._at + 1)
         self.settle()
         return self.value
-
-    def clear(self, start: T) -> None:
-        """Forget everything and begin again, as for another scan."""
-        self._changes = [Change(start, "", "")]
-        self._at = 0

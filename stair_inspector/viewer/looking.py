@@ -8,6 +8,7 @@ from stair_inspector.model import Inspection, Scan
 from stair_inspector.viewer.cameras import (
     FOV_RAD,
     ORTHO_FOV_RAD,
+    USUAL_PITCH_DEG,
     VIEWS,
     Pose,
     View,
@@ -231,4 +232,4 @@ class Looking:
 
 def _pitch_of(inspection: Inspection) -> float:
     pitches = [flight.pitch_deg.value for flight in inspection.flights if flight.pitch_deg is not None]
-    return pitches[0] if pitches else 32.0
+    return pitches[0] if pitches else USUAL_PITCH_DEG

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import viser
@@ -31,7 +31,7 @@ from stair_inspector.viewer.tools.region import RegionTool
 from stair_inspector.viewer.tools.upright import UprightTool
 from stair_inspector.viewer.tuning import Tuning, known_presets
 from stair_inspector.viewer.wiring import actions_of, add_keys
-from stair_inspector.viewer.work import Keeper, KeptWishes, Work
+from stair_inspector.viewer.work import Changes, Keeper, KeptWishes, Work
 from stair_inspector.viewer.worker import Newest, Workshop
 
 _BRAND = (24, 110, 160)
@@ -127,12 +127,17 @@ class Session:
     def apply(self, params: Params, words: str) -> None:
         """Set the controls to other settings and run."""
         with self.keeper.lock:
-            self.panel.controls.load(params)
-            self.keeper.change(words, params=params)
-            self._ask(params)
+            self.take_up(dataclasses.replace(self.work, params=params), words)
+
+    def take_up(self, work: Work, words: str) -> None:
+        """Go on with other work, all in one change, and run."""
+        with self.keeper.lock:
+            self.panel.controls.load(work.params)
+            self.keeper.replace(work, words)
+            self._ask(work.params)
         self._show_work()
 
-    def change(self, words: str, **fields: object) -> None:
+    def change(self, words: str, **fields: Unpack[Changes]) -> None:
         """Change other parts of the work, and show them."""
         self.keeper.change(words, "", **fields)
         self._show_work()

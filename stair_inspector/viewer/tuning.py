@@ -95,10 +95,7 @@ class Tuning:
             raise ConfigError("suggest settings: there is no suggestion; ask for one first")
         params = self._editor.work.params
         for reason in self._suggestion.reasons:
-            value: object = getattr(
-                getattr(self._suggestion.params, reason.name.partition(".")[0]), reason.name.partition(".")[2]
-            )
-            params = params.replaced(reason.name, value)
+            params = params.replaced(reason.name, self._suggestion.params.value(reason.name))
         self._editor.apply(params, "suggested settings")
 
 

@@ -6,9 +6,10 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypedDict, Unpack
 
 from stair_inspector.errors import StairError
-from stair_inspector.files.projects import KeptRun, Measurement, Project, SavedView, save_project
+from stair_inspector.files.projects import KeptRun, Measurement, Project, SavedView, check_length, save_project
 from stair_inspector.params import Params
 from stair_inspector.viewer.history import History
 from stair_inspector.viewer.library import Library
@@ -29,6 +30,20 @@ class Work:
     measurements: tuple[Measurement, ...] = ()
     views: tuple[SavedView, ...] = ()
     runs: tuple[KeptRun, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("measurements", "views", "runs"):
+            check_length(name, getattr(self, name))
+
+
+class Changes(TypedDict, total=False):
+    """Fields of :class:`Work` that are to be other ones."""
+
+    params: Params
+    title: str
+    measurements: tuple[Measurement, ...]
+    views: tuple[SavedView, ...]
+    runs: tuple[KeptRun, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,13 +156,16 @@ class Keeper:
             if bench.is_changed and self._settle is not None:
                 self._settle.touch()
 
-    def change(self, words: str, merge_key: str = "", **fields: object) -> Work:
+    def change(self, words: str, merge_key: str = "", **fields: Unpack[Changes]) -> Work:
         """Change some of the work, so that it can be undone, and save it soon."""
+        with self.lock:
+            return self.replace(dataclasses.replace(self.work, **fields), words, merge_key)
+
+    def replace(self, after: Work, words: str, merge_key: str = "") -> Work:
+        """Put other work in the place of the present, so that it can be undone, and save it soon."""
         with self.lock:
             history = self._bench.history
             before = history.value
-            # mypy cannot see which fields these are; the dataclass itself refuses any other.
-            after = dataclasses.replace(before, **fields)  # type: ignore[arg-type]
             history.push(after, words, merge_key)
             if after != before:
                 self._touch()

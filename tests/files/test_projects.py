@@ -196,7 +196,7 @@ def test_saving_that_fails_leaves_the_old_project(tmp_path, monkeypatch):
         ({"measurements__0__points_m": [[1, 2]]}, "measurements, entry 1: measurement 'landing corner': points_m: got"),
         ({"measurements__0__points_m": [[1, 2, True]]}, "measurements, entry 1: measurement 'landing corner': points"),
         ({"measurements__0__points_m": [[1, 2, 10**400]]}, "measurements, entry 1: measurement 'landing corner': poi"),
-        ({"measurements": [{}] * 501}, "measurements: got 501; keep at most 500"),
+        ({"measurements": [{}] * 501}, "measurements: got 501; keep at most 500, delete some"),
         ({"views__0__fov_deg": 180}, "views, entry 1: view 'from the door': fov_deg: got 180; give an angle between"),
         ({"views__0__fov_deg": "wide"}, "views, entry 1: view 'from the door': fov_deg: got 'wide'; give a number"),
         (
@@ -292,7 +292,7 @@ def test_a_project_that_grew_too_large_is_refused_before_it_is_written(tmp_path)
         (lambda: Project("a.ply", SHA, measurements=(FULL.views[0],)), "measurements: give values of Measurement only"),
         (lambda: Measurement("", ((0.0, 0.0, 0.0),)), "a measurement's name: is empty; give a name"),
         (lambda: Measurement("m", ((math.nan, 0.0, 0.0),)), "measurement 'm': points_m: got nan; give a number from"),
-        (lambda: Project("a.ply", SHA, runs=FULL.runs * 251), "runs: got 502; keep at most 500"),
+        (lambda: Project("a.ply", SHA, runs=FULL.runs * 251), "runs: got 502; keep at most 500, delete some"),
     ],
 )
 def test_a_value_checks_itself_when_it_is_made(make, text):

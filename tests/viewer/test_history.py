@@ -87,12 +87,6 @@ def test_the_oldest_changes_are_forgotten_beyond_the_limit():
     assert [history.undo(), history.undo(), history.can_undo] == ["d", "c", False]
 
 
-def test_clearing_begins_again():
-    history = pushed("a", "b")
-    history.clear("new")
-    assert (history.value, history.can_undo, history.can_redo) == ("new", False, False)
-
-
 @given(st.lists(st.one_of(st.integers(0, 3), st.just("undo"), st.just("redo"))))
 def test_it_walks_as_a_plain_list_would(actions):
     history = History(0)

@@ -81,6 +81,21 @@ def test_work_is_saved_once_the_scan_is_known_and_comes_back_whole(keeper, libra
     assert not [path for path in tmp_path.iterdir() if path.suffix not in (".ply", ".json")]
 
 
+def test_more_measurements_than_a_project_holds_are_refused_where_they_are_made(keeper):
+    measured = tuple(Measurement(f"Point {k}", ((0.0, 0.0, float(k)),)) for k in range(501))
+    keeper.change("most", measurements=measured[:500])
+    with pytest.raises(ConfigError, match="measurements: got 501; keep at most 500, delete some"):
+        keeper.change("one more", measurements=measured)
+    assert len(keeper.work.measurements) == 500
+
+
+def test_other_work_is_taken_up_in_one_change(keeper):
+    start = keeper.work
+    keeper.replace(Work(OTHER, title="Hall"), "opened hall.stair.json")
+    assert keeper.work == Work(OTHER, title="Hall")
+    assert keeper.undo() == start
+
+
 def test_a_save_that_failed_is_tried_again(keeper, tmp_path):
     keeper.know_scan("a.ply", SHA)
     keeper.change("title", title="Hall")
