@@ -17,14 +17,16 @@ import tyro
 from typing_extensions import Doc
 
 from stair_inspector import __version__
+from stair_inspector.codes.findings import Decision
 from stair_inspector.errors import CannotMeasure, ConfigError, ReadError, StairError, WriteError
 from stair_inspector.files.settings import find_preset, list_presets
 from stair_inspector.params import NAMED_UP, Params
 from stair_inspector.simulate.specs import Scanner, Stair
 
 if TYPE_CHECKING:
+    from stair_inspector.codes import Check, RuleSet
     from stair_inspector.files.projects import Project
-    from stair_inspector.model import Inspection, Measured
+    from stair_inspector.model import Inspection, Measured, Scan
 
 T = TypeVar("T")
 
@@ -40,13 +42,17 @@ commands:
   view SCAN ...             the web inspector; without a SCAN, or without any command, a bundled sample scan
   measure SCAN ... -o DIR   headless: DIR/STEM.json, STEM.csv and STEM_debug.ply for every scan;
                             with --project FILE the numbers of a project saved by the web inspector
+  check SCAN ... --rules ID measure, then hold every value against a rule set; -o DIR writes the files of measure too
+  rules                     list the rule sets; --show ID prints one, --toml ID its file, to copy and change
   simulate OUT.ply          a scan of a known staircase by a simulated scanner, and OUT.truth.json
   presets                   list the presets
 
   stair-inspector COMMAND --help lists a command's options; --version prints the version.
 
-exit codes: 0 done; 2 wrong usage or settings, or an output that cannot be written;
-            3 a scan could not be read or measured (the others are still done)
+exit codes: 0 done; 1 check found a value outside a limit;
+            2 wrong usage or settings, or an output that cannot be written;
+            3 a scan could not be read or measured, or nothing in it be judged (the others are still done)
+            0 from check is no pass by itself: values that were not measured are listed as such
 """
 
 
@@ -85,8 +91,8 @@ class View(Common):
 
 
 @dataclass(frozen=True)
-class Measure(Common):
-    """Measure scans without a browser and write JSON, CSV and a coloured debug PLY for each."""
+class Headless(Common):
+    """Options of the commands that measure without a browser."""
 
     scans: Annotated[
         tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="SCAN"), Doc("Files or folders of scans.")
@@ -98,7 +104,50 @@ class Measure(Common):
             "its values. Only the scan that it was made on is measured; without a SCAN the one beside it."
         ),
     ] = ""
+    rules: Annotated[
+        str, tyro.conf.arg(metavar="ID|FILE"), Doc("Rule set (see: stair-inspector rules) or a TOML file of one.")
+    ] = ""
+    overlay: Annotated[
+        tyro.conf.UseAppendAction[tuple[str, ...]],
+        tyro.conf.arg(metavar="ID|FILE"),
+        Doc("Rules to be held against beside those of the set, as us-nfpa-101-uniformity; may be given again."),
+    ] = ()
+    decision: Annotated[
+        Decision,
+        Doc("guarded: a value nearer to its limit than its uncertainty is called close; simple: the value decides."),
+    ] = "guarded"
+
+
+@dataclass(frozen=True)
+class Measure(Headless):
+    """Measure scans without a browser and write JSON, CSV and a coloured debug PLY for each.
+
+    With --rules the JSON holds the check against that rule set as well.
+    """
+
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="DIR"), Doc("Folder for the results.")] = tyro.MISSING
+
+
+@dataclass(frozen=True)
+class CheckScans(Headless):
+    """Measure scans and hold their values against a rule set; exit code 1 if one is outside a limit."""
+
+    out: Annotated[
+        str, tyro.conf.arg(aliases=["-o"], metavar="DIR"), Doc("Folder for the files of measure; '' writes none.")
+    ] = ""
+
+
+@dataclass(frozen=True)
+class ListRules:
+    """List the rule sets that come with the program: id, grades of the records, edition, name, hash of the file."""
+
+    show: Annotated[str, tyro.conf.arg(metavar="ID|FILE"), Doc("Print all records of one rule set instead.")] = ""
+    toml: Annotated[
+        str, tyro.conf.arg(metavar="ID"), Doc("Print the file of one rule set instead, to copy and change it.")
+    ] = ""
+    debug: Annotated[tyro.conf.FlagCreatePairsOff[bool], Doc("Show the traceback of an error, for a bug report.")] = (
+        False
+    )
 
 
 @dataclass(frozen=True)
@@ -134,7 +183,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0 done; 2 wrong usage, settings or output folder; 3 a scan could not be read or measured.
+        Exit code: 0 done; 1 a value outside a limit; 2 wrong usage, settings or output folder; 3 a scan could not be
+        read, measured or judged.
     """
     args = list(sys.argv[1:] if argv is None else argv)
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -143,6 +193,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     commands: dict[str, Callable[[list[str]], int]] = {
         "view": _view,
         "measure": _measure,
+        "check": _check,
+        "rules": _rules,
         "simulate": _simulate,
         "presets": _presets,
     }
@@ -225,18 +277,108 @@ def _view(args: list[str]) -> int:
 
 
 def _measure(args: list[str]) -> int:
-    project = _given_project(args)
+    project = _given_project("measure", args)
     start = Measure(settings=_preset_params(args) if project is None else project.params)
     measure = _parse(Measure, "measure", args, start)
-    scans = measure.scans or (() if project is None else (_scan_beside(Path(measure.project), project.scan_file),))
-    if not scans:
-        raise ConfigError("measure: no scan given; name at least one file or folder")
+    rule_set = _rule_set_of(measure, "measure") if measure.rules or measure.overlay else None
     _check_folder(measure.out)
-    from stair_inspector.files.exports import write_inspection
-    from stair_inspector.files.projects import check_scan
-    from stair_inspector.files.scans import find_scans, read_scan
-    from stair_inspector.pipeline import inspect
+    paths, worst = _paths_of(measure, "measure", project)
+    _check_stems(paths)
+    _check_overwriting(paths, measure.out)
 
+    def show(scan: "Scan", inspection: "Inspection", path: Path) -> int:
+        found = _checked(inspection, rule_set, measure)
+        _say(f"{_summary(inspection)}\n  {_wrote(scan, inspection, measure.out, path, found)}\n")
+        return 0
+
+    return max(worst, _for_each(paths, measure, project, show))
+
+
+def _check(args: list[str]) -> int:
+    project = _given_project("check", args)
+    start = CheckScans(settings=_preset_params(args) if project is None else project.params)
+    options = _parse(CheckScans, "check", args, start)
+    rule_set = _rule_set_of(options, "check")
+    folder = Path(options.out) if options.out else None
+    if folder is not None:
+        _check_folder(folder)
+    paths, worst = _paths_of(options, "check", project)
+    if folder is not None:
+        _check_stems(paths)
+        _check_overwriting(paths, folder)
+
+    def show(scan: "Scan", inspection: "Inspection", path: Path) -> int:
+        from stair_inspector.codes import check
+        from stair_inspector.codes.text import check_text
+
+        found = check(inspection, rule_set, options.decision)
+        written = "" if folder is None else f"\n  {_wrote(scan, inspection, folder, path, found)}"
+        _say(f"{scan.name} {check_text(found)}{written}\n")
+        if found.is_outside:
+            return 1
+        if not found.is_judged and any(rule.severity != "report_only" for rule in rule_set.rules):
+            reason = next((each.reason for each in found.findings if each.reason), "no rule applies")
+            return _report(CannotMeasure(f"{path}: nothing could be judged: {reason}"))
+        return 0
+
+    return max(worst, _for_each(paths, options, project, show))
+
+
+def _rules(args: list[str]) -> int:
+    options = _parse(ListRules, "rules", args, ListRules())
+    if options.show and options.toml:
+        raise ConfigError("rules: got --show and --toml; give one of them")
+    from stair_inspector.codes.text import rule_set_text, rule_sets_text
+    from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets, rule_set_path
+    from stair_inspector.files.toml import read_toml_bytes
+
+    if options.toml:
+        # Read as a rule set first: what is printed can be used.
+        find_rule_set(options.toml)
+        _say(read_toml_bytes(rule_set_path(options.toml)).decode("utf-8").rstrip("\n"))
+    elif options.show:
+        _say(rule_set_text(find_rule_set(options.show)))
+    else:
+        _say(rule_sets_text(list_rule_sets()))
+    return 0
+
+
+def _rule_set_of(options: Headless, command: str) -> "RuleSet":
+    """Return the rule set that the options name, with its overlays."""
+    from stair_inspector.codes import overlaid
+    from stair_inspector.files.rule_sets import find_rule_set
+
+    if not options.rules:
+        raise ConfigError(f"{command}: no rule set given; name one with --rules (see: stair-inspector rules)")
+    rule_set = find_rule_set(options.rules)
+    for name in options.overlay:
+        rule_set = overlaid(rule_set, find_rule_set(name))
+    return rule_set
+
+
+def _checked(inspection: "Inspection", rule_set: "RuleSet | None", options: Headless) -> "Check | None":
+    from stair_inspector.codes import check
+
+    return None if rule_set is None else check(inspection, rule_set, options.decision)
+
+
+def _wrote(scan: "Scan", inspection: "Inspection", folder: Path, path: Path, found: "Check | None") -> str:
+    """Write the files of measure and say which."""
+    from stair_inspector.files.exports import write_inspection
+
+    written = write_inspection(scan, inspection, folder, path.stem, found)
+    return f"wrote {', '.join(str(file) for file in written)}"
+
+
+def _paths_of(options: Headless, command: str, project: "Project | None") -> tuple[list[Path], int]:
+    """Return the scans that the options name, and the exit code of what could not be found."""
+    from stair_inspector.files.scans import find_scans
+
+    scans = options.scans or (
+        () if project is None else (_scan_beside(Path(options.project), project.scan_file, command),)
+    )
+    if not scans:
+        raise ConfigError(f"{command}: no scan given; name at least one file or folder")
     paths: list[Path] = []
     worst = 0
     for given in scans:
@@ -244,27 +386,35 @@ def _measure(args: list[str]) -> int:
             paths += find_scans([given])
         except StairError as error:
             worst = max(worst, _report(error))
-    paths = list({path.resolve(): path for path in paths}.values())
-    _check_stems(paths)
-    _check_overwriting(paths, measure.out)
+    return list({path.resolve(): path for path in paths}.values()), worst
+
+
+def _for_each(
+    paths: list[Path],
+    options: Headless,
+    project: "Project | None",
+    show: Callable[["Scan", "Inspection", Path], int],
+) -> int:
+    """Inspect every scan and show it; return the worst exit code. An error of one scan leaves the others."""
+    from stair_inspector.files.projects import check_scan
+    from stair_inspector.files.scans import read_scan
+    from stair_inspector.pipeline import inspect
+
+    worst = 0
     for path in paths:
         try:
-            scan = read_scan(path, measure.settings.unit)
+            scan = read_scan(path, options.settings.unit)
             if project is not None:
-                check_scan(project, scan.sha256, str(path), measure.project)
-            inspection = inspect(scan, measure.settings)
-            written = write_inspection(scan, inspection, measure.out, path.stem)
+                check_scan(project, scan.sha256, str(path), options.project)
+            worst = max(worst, show(scan, inspect(scan, options.settings), path))
         except StairError as error:
-            if measure.debug:
+            if options.debug:
                 traceback.print_exc()
             worst = max(worst, _report(error))
-            continue
         except (MemoryError, OSError) as error:
-            if measure.debug:
+            if options.debug:
                 traceback.print_exc()
             worst = max(worst, _report(CannotMeasure(f"{path}: {_internal(error)}; thin the scan out and try again")))
-            continue
-        _say(f"{_summary(inspection)}\n  wrote {', '.join(str(file) for file in written)}\n")
     return worst
 
 
@@ -371,19 +521,19 @@ def _preset_params(args: list[str]) -> Params:
     return find_preset(name).params if name is not None else find_preset("default").params
 
 
-def _given_project(args: list[str]) -> "Project | None":
+def _given_project(command: str, args: list[str]) -> "Project | None":
     """Return the project that the arguments name, None for none."""
     name = _value_of(args, "--project")
     if not name:
         return None
     if _value_of(args, "--preset") is not None:
-        raise ConfigError("measure: got --project and --preset, which both state every setting; give one of them")
+        raise ConfigError(f"{command}: got --project and --preset, which both state every setting; give one of them")
     from stair_inspector.files.projects import read_project
 
     return read_project(Path(name))
 
 
-def _scan_beside(project: Path, name: str) -> Path:
+def _scan_beside(project: Path, name: str, command: str) -> Path:
     path = project.parent / name
     try:
         is_there = path.is_file()
@@ -391,7 +541,9 @@ def _scan_beside(project: Path, name: str) -> Path:
         # A name longer than the system allows.
         is_there = False
     if not is_there:
-        raise ReadError(f"{path}: this scan of the project is not beside it; name it: measure SCAN --project {project}")
+        raise ReadError(
+            f"{path}: this scan of the project is not beside it; name it: {command} SCAN --project {project}"
+        )
     return path
 
 

@@ -16,13 +16,14 @@ ROOMS = (
     ("stages", "codes", "simulate"),
     ("pipeline",),
     ("files",),
+    ("report",),
     ("viewer",),
     ("cli",),
 )
 """From the lowest floor to the highest; a room may import itself and what lies below, not its neighbours."""
 RANK = {room: rank for rank, rooms in enumerate(ROOMS) for room in rooms}
 CORE = {"errors", "geometry", "params", "model", "stages", "codes", "simulate", "pipeline"}
-HEAVY = {"open3d", "trimesh", "sklearn", "scipy"}
+HEAVY = {"open3d", "trimesh", "sklearn", "scipy", "typst", "ezdxf", "xlsxwriter"}
 """Imported only inside the functions that need them: each takes up to seconds."""
 FILES = sorted(PACKAGE.rglob("*.py"))
 EACH_FILE = pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))

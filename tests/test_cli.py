@@ -17,13 +17,13 @@ from stair_inspector.files.exports import write_inspection
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.projects import KeptRun, Measurement, Project, save_project
 from stair_inspector.files.scans import read_scan
-from stair_inspector.files.settings import list_presets
+from stair_inspector.files.settings import list_presets, params_to_dict
 from stair_inspector.params import GROUPS, Params, fields_of
 from stair_inspector.pipeline import inspect
 from tests.synthetic import Stair
 
 ROOT = Path(__file__).parent.parent
-COMMANDS = ("view", "measure", "simulate", "presets")
+COMMANDS = ("view", "measure", "check", "rules", "simulate", "presets")
 UP_Z = ("--up", "z", "--unit", "m")
 
 
@@ -83,7 +83,8 @@ def test_the_help_names_every_command_and_exit_code(run):
     assert code == 0
     for command in COMMANDS:
         assert f"\n  {command} " in out
-    assert "exit codes: 0 done; 2 wrong usage or settings" in out
+    assert "exit codes: 0 done; 1 check found a value outside a limit;" in out
+    assert "2 wrong usage or settings" in out
     assert "3 a scan could not be read or measured" in out
 
 
@@ -365,6 +366,19 @@ def test_a_project_gives_the_very_numbers_of_its_settings(run, tmp_path, project
     assert document["settings"]["levels"]["eps_m"] == 0.0123456789
 
 
+def test_a_projects_values_are_checked(run, tmp_path, project_file):
+    code, out, err = run("check", "--project", project_file, "--rules", "us-osha-1910-25", "-o", tmp_path)
+    assert (code, err) == (0, "")
+    document = json.loads((tmp_path / "Stair ß.json").read_text(encoding="utf-8"))
+    assert document["settings"] == params_to_dict(DECIDED)
+    assert document["check"]["rule_set"]["id"] == "us-osha-1910-25"
+    assert "Stair ß.ply checked against us-osha-1910-25" in out
+    (tmp_path / "work" / "Stair ß.ply").unlink()
+    code, _, err = run("check", "--project", project_file, "--rules", "us-osha-1910-25")
+    assert code == 3
+    assert "name it: check SCAN --project" in err
+
+
 def test_another_scan_than_the_projects_is_refused_and_the_right_one_is_still_measured(run, tmp_path, project_file):
     scan = project_file.with_name("Stair ß.ply")
     other = tmp_path / "other.ply"
@@ -498,7 +512,7 @@ def test_only_flights_that_climb_the_given_way_are_measured(measured, climb, n_f
 
 
 def test_unknown_command(run):
-    expected = "'mesure' is no command; give one of view, measure, simulate, presets (see --help)"
+    expected = "'mesure' is no command; give one of view, measure, check, rules, simulate, presets (see --help)"
     assert refusal(run, "mesure", "a.ply") == expected
 
 

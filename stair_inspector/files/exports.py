@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from stair_inspector import __version__
+from stair_inspector.codes import Check
 from stair_inspector.files.atomic import write_all_atomically
+from stair_inspector.files.check_records import check_record
 from stair_inspector.files.palettes import Palette, Rgb, read_palette
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.settings import params_to_dict
@@ -36,8 +38,12 @@ _LINES = ("left", "centre", "right")
 """The measuring lines as seen when climbing, in the order of ``rise_lcr_m`` and ``going_lcr_m``."""
 
 
-def write_inspection(scan: Scan, inspection: Inspection, folder: Path, stem: str) -> list[Path]:
+def write_inspection(
+    scan: Scan, inspection: Inspection, folder: Path, stem: str, check: Check | None = None
+) -> list[Path]:
     """Write ``STEM.json``, ``STEM.csv`` and ``STEM_debug.ply`` into a folder, each completely or not at all.
+
+    A check against a rule set goes into the JSON.
 
     Raises
     ------
@@ -45,7 +51,7 @@ def write_inspection(scan: Scan, inspection: Inspection, folder: Path, stem: str
         The folder cannot be written; files that existed are untouched.
     """
     paths = result_paths(folder, stem)
-    contents = (json_bytes(inspection), csv_bytes(inspection), debug_ply_bytes(scan, inspection))
+    contents = (json_bytes(inspection, check), csv_bytes(inspection), debug_ply_bytes(scan, inspection))
     write_all_atomically(dict(zip(paths, contents, strict=True)))
     return list(paths)
 
@@ -55,15 +61,18 @@ def result_paths(folder: Path, stem: str) -> tuple[Path, Path, Path]:
     return folder / f"{stem}.json", folder / f"{stem}.csv", folder / f"{stem}_debug.ply"
 
 
-def json_bytes(inspection: Inspection) -> bytes:
-    """Return the inspection as JSON, schema ``stair-inspector/inspection-1``: SI, positions in the scan frame."""
-    text = json.dumps(inspection_to_dict(inspection), indent=1, ensure_ascii=False, allow_nan=False)
+def json_bytes(inspection: Inspection, check: Check | None = None) -> bytes:
+    """Return the inspection as JSON, schema ``stair-inspector/inspection-1``: SI, positions in the scan frame.
+
+    A check against a rule set is its field ``check``, null without one.
+    """
+    text = json.dumps(inspection_to_dict(inspection, check), indent=1, ensure_ascii=False, allow_nan=False)
     # A lone surrogate, as in a file name that is no UTF-8, cannot be encoded: it is written as an escape.
     return (text + "\n").encode("utf-8", errors="backslashreplace")
 
 
-def inspection_to_dict(inspection: Inspection) -> dict[str, Any]:
-    """Return the inspection as the plain values of its JSON."""
+def inspection_to_dict(inspection: Inspection, check: Check | None = None) -> dict[str, Any]:
+    """Return the inspection as the plain values of its JSON, with a check against a rule set if there is one."""
     origin = np.array(inspection.scan.origin_m)
     scan = inspection.scan
     axes = inspection.axes
@@ -107,6 +116,7 @@ def inspection_to_dict(inspection: Inspection) -> dict[str, Any]:
         "flights": [_flight_to_dict(flight) for flight in inspection.flights],
         "steps": [_step_to_dict(step, origin) for step in inspection.steps],
         "overrules": _overrules_to_list(inspection.params),
+        "check": None if check is None else check_record(check),
         "notes": [
             {"code": note.code, "stage": note.stage, "step": note.step, "message": note.message}
             for note in inspection.notes

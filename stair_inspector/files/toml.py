@@ -19,12 +19,22 @@ def read_toml(path: Path) -> dict[str, Any]:
     ConfigError
         Missing, unreadable, larger than 1 MB, not UTF-8 or not TOML.
     """
+    return parse_toml(read_toml_bytes(path), str(path))
+
+
+def read_toml_bytes(path: Path) -> bytes:
+    """Return the bytes of a TOML file, at most what :func:`parse_toml` needs to refuse one that is too large.
+
+    Raises
+    ------
+    ConfigError
+        Missing or unreadable.
+    """
     try:
         with path.open("rb") as stream:
-            data = stream.read(_MAX_BYTES + 1)
+            return stream.read(_MAX_BYTES + 1)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); check the name") from error
-    return parse_toml(data, str(path))
 
 
 def parse_toml(data: bytes, place: str) -> dict[str, Any]:

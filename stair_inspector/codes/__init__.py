@@ -1,0 +1,26 @@
+"""Rule sets as data, and the judging of an inspection against them."""
+
+from stair_inspector.codes.findings import DECISIONS, Check, Decision, Finding, Fit, Verdict, gravest
+from stair_inspector.codes.judge import check
+from stair_inspector.codes.rules import Condition, Limit, Rule, RuleEdit, RuleSet, edited, overlaid
+from stair_inspector.codes.words import display_of, shown
+
+__all__ = [
+    "DECISIONS",
+    "Check",
+    "Condition",
+    "Decision",
+    "Finding",
+    "Fit",
+    "Limit",
+    "Rule",
+    "RuleEdit",
+    "RuleSet",
+    "Verdict",
+    "check",
+    "display_of",
+    "edited",
+    "gravest",
+    "overlaid",
+    "shown",
+]

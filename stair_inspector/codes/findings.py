@@ -1,0 +1,140 @@
+"""What a check says: findings of the rules of a set, and whether the scan is good enough to judge them."""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Literal
+
+from stair_inspector.codes.rules import Limit, Rule, RuleSet
+
+Decision = Literal["guarded", "simple"]
+
+DECISIONS: dict[str, str] = {
+    "guarded": (
+        "A value is within a limit when it stays inside even if it is wrong by its expanded uncertainty U (k = 2), and "
+        "outside when it stays outside; a value nearer to the limit than U is called close (ILAC-G8, JCGM 106)."
+    ),
+    "simple": (
+        "Simple acceptance: a value is within a limit when the measured value is, whatever its uncertainty U; a value "
+        "near the limit may be wrongly accepted or rejected (ILAC-G8, JCGM 106)."
+    ),
+}
+"""The decision rules, in words to be printed with every check."""
+
+
+class Verdict(Enum):
+    """What is said of one value, or why nothing is; the value of a member is its name in files."""
+
+    WITHIN = "within"
+    WITHIN_CLOSE = "within_close"
+    OUTSIDE_CLOSE = "outside_close"
+    OUTSIDE = "outside"
+    NOT_MEASURED = "not_measured"
+    NOT_JUDGED = "not_judged"
+    REPORTED = "reported"
+    NOT_ASSESSED = "not_assessed"
+
+    @property
+    def words(self) -> str:
+        """The verdict for people: ``within, close``."""
+        return self.value.replace("_close", ", close").replace("_", " ")
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether the value lies beyond its limit, close or not."""
+        return self in (Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE)
+
+    @property
+    def is_within(self) -> bool:
+        """Whether the value lies inside its limits, close or not."""
+        return self in (Verdict.WITHIN, Verdict.WITHIN_CLOSE)
+
+
+GRAVITY = (
+    Verdict.OUTSIDE,
+    Verdict.OUTSIDE_CLOSE,
+    Verdict.NOT_MEASURED,
+    Verdict.NOT_JUDGED,
+    Verdict.WITHIN_CLOSE,
+    Verdict.WITHIN,
+    Verdict.REPORTED,
+    Verdict.NOT_ASSESSED,
+)
+"""Verdicts, the gravest first: of several findings the first in this order is the one to show."""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What one rule says of one step, one pair of neighbours or one flight.
+
+    ``value``, its expanded uncertainty ``u`` (k = 2) and ``margin`` are metres, degrees, tangents or counts, as the
+    rule's quantity; ``margin`` is the distance to ``limit``, the nearest one, negative beyond it. ``flight`` is None
+    where the finding is about the whole scan, ``steps`` empty where it is about a flight as such. ``reason`` says why
+    there is no verdict, or what it leaves open. A value without a verdict is what was measured of it.
+    """
+
+    rule: Rule
+    flight: int | None
+    steps: tuple[int, ...]
+    verdict: Verdict
+    value: float | None = None
+    u: float | None = None
+    margin: float | None = None
+    limit: Limit | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """Is the scan good enough for this rule? ``u``, the largest of its values', is held against ``tolerance``.
+
+    ``is_fit`` is None where there is nothing to say: nothing was measured, or the rule has no number.
+    """
+
+    rule_id: str
+    words: str
+    is_fit: bool | None
+    u: float | None = None
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """An inspection held against a rule set. ``fits`` has one entry per rule; ``notes`` are sentences on the whole."""
+
+    rule_set: RuleSet
+    decision: Decision
+    findings: tuple[Finding, ...]
+    fits: tuple[Fit, ...]
+    not_assessed: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether a value lies outside a limit, close or not; advisory rules do not count."""
+        return any(found.rule.severity == "limit" and found.verdict.is_outside for found in self.findings)
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether at least one value was held against a limit."""
+        return any(found.verdict.is_within or found.verdict.is_outside for found in self.findings)
+
+    def of_rule(self, rule_id: str) -> tuple[Finding, ...]:
+        """Return the findings of one rule, in the order of flights and steps."""
+        return tuple(found for found in self.findings if found.rule.rule_id == rule_id)
+
+    def of_step(self, step_id: int) -> tuple[Finding, ...]:
+        """Return the findings in which a step takes part."""
+        return tuple(found for found in self.findings if step_id in found.steps)
+
+
+def gravest(findings: tuple[Finding, ...]) -> Finding:
+    """Return the finding to show for several: the gravest verdict, of those the one nearest to or furthest beyond.
+
+    Raises
+    ------
+    ValueError
+        There is no finding.
+    """
+    return min(
+        findings, key=lambda found: (GRAVITY.index(found.verdict), 0.0 if found.margin is None else found.margin)
+    )

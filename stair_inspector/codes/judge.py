@@ -1,0 +1,389 @@
+"""Is each value inside its limit? An inspection held against a rule set, finding by finding."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import get_args
+
+from stair_inspector.codes.findings import Check, Decision, Finding, Fit, Verdict
+from stair_inspector.codes.quantities import difference, spread, step_value, total
+from stair_inspector.codes.rules import Limit, Rule, RuleSet
+from stair_inspector.codes.words import shown
+from stair_inspector.errors import ConfigError
+from stair_inspector.model import Flight, Inspection, Measured, Step
+
+_ROUNDING = 1e-9
+"""Differences of binary numbers are off by less: a value this near to a limit lies on it, which is inside."""
+_LANDINGS_TOO = ("rise",)
+"""Quantities of treads and landings alike; the others are those of treads, ``landing_slope`` of landings."""
+_CHAINED = ("rise", "going")
+"""Quantities from nosing to nosing, so that neighbours share one."""
+_DIFFERENCES = ("flight_range", "adjacent_difference")
+_FIT_SHARE = 0.5
+"""A check is fit when U is at most half the tolerance: what is as intended can then be found within, not close."""
+_SIZE_SHARE = 0.1
+"""What a size without a second limit is held against: this share of its limit. A convention of this program."""
+_SIZES = ("rise", "going", "tread_depth", "width", "pitch", "two_r_plus_g", "flight_rise")
+"""Quantities that are intended to be far from zero; of the others, as of every spread, the intended value is zero."""
+_WINDING = "winders and spirals are not judged: codes measure them on a walking line of their own"
+_TELLING_NOTES = (
+    "uncertainty_unstated",
+    "up_disagree",
+    "treads_lean",
+    "chain_ambiguous",
+    "overrule_unmet",
+    "no_staircase",
+)
+"""Codes of the notes on the whole scan that a reader of a check must know."""
+_CAVEATS = {
+    "rise": ("nosing_unobserved",),
+    "going": ("nosing_unobserved",),
+    "two_r_plus_g": ("nosing_unobserved",),
+    "tread_depth": ("nosing_unobserved", "back_hidden"),
+    "nosing_overhang": ("back_hidden",),
+    "width": ("side_unobserved",),
+}
+"""Codes of the notes on a step that say why a value of it is uncertain."""
+_SINGLE = "does not apply: a single step differs from nothing"
+
+
+def check(inspection: Inspection, rule_set: RuleSet, decision: Decision = "guarded") -> Check:
+    """Hold an inspection against a rule set.
+
+    Parameters
+    ----------
+    inspection : Inspection
+        With the survey's values; those of the paper's method are not what codes limit, and are not judged.
+    rule_set : RuleSet
+    decision : "guarded" or "simple"
+        Whether the verdict heeds the uncertainty; see :data:`findings.DECISIONS`.
+
+    Returns
+    -------
+    Check
+        One finding per rule and step, pair of neighbours or flight. What was not measured is a finding of its own:
+        not measured is no pass.
+
+    Raises
+    ------
+    ConfigError
+        Unknown decision rule.
+
+    References
+    ----------
+    .. [1] ILAC-G8:09/2019, Guidelines on Decision Rules and Statements of Conformity.
+    .. [2] JCGM 106:2012, The role of measurement uncertainty in conformity assessment.
+    """
+    if decision not in get_args(Decision):
+        raise ConfigError(f"decision: got {decision!r}; give one of {', '.join(get_args(Decision))}")
+    judge = _Judge(inspection, decision)
+    findings: list[Finding] = []
+    fits: list[Fit] = []
+    unseen: list[str] = []
+    for rule in rule_set.rules:
+        found = judge.findings_of(rule)
+        findings += found
+        fits.append(_fit_of(rule, found, inspection.params.uncertainty.registration_m))
+        if rule.from_scan == "no":
+            unseen.append(f"{rule.term}, {rule.limit_text} ({rule.clause})")
+    notes = tuple(dict.fromkeys(note.message for note in inspection.notes if note.code in _TELLING_NOTES))
+    partly = [f"{rule.term}: {rule.note}" for rule in rule_set.rules if rule.from_scan == "partly" and rule.note]
+    notes = (*dict.fromkeys(partly), *notes)
+    return Check(rule_set, decision, tuple(findings), tuple(fits), (*unseen, *rule_set.not_assessed), notes)
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """What a rule is held against in one place: a value, or the reason why there is none.
+
+    ``u_down`` is how much smaller the value may be, where that differs from ``measured.u``; ``is_partial`` tells that
+    the value is that of what was measured, and that the flight may hold more; ``is_doubtful`` that the rule may not
+    apply, ``applies`` that it does not.
+    """
+
+    flight: int | None
+    steps: tuple[int, ...]
+    measured: Measured | None
+    reason: str = ""
+    u_down: float | None = None
+    is_partial: bool = False
+    is_doubtful: bool = False
+    applies: bool = True
+
+
+class _Judge:
+    """Finds the places of each rule in one inspection, and judges them."""
+
+    def __init__(self, inspection: Inspection, decision: Decision) -> None:
+        self._inspection = inspection
+        self._decision = decision
+        self._steps = {step.step_id: step for step in inspection.steps}
+
+    def findings_of(self, rule: Rule) -> list[Finding]:
+        """Return what one rule says, flight by flight."""
+        if rule.from_scan == "no":
+            return [Finding(rule, None, (), Verdict.NOT_ASSESSED, reason="not assessed from a scan: check it on site")]
+        if not self._inspection.flights:
+            return [Finding(rule, None, (), Verdict.NOT_MEASURED, reason=self._why_nothing())]
+        findings = []
+        for flight in self._inspection.flights:
+            if flight.shape != "straight":
+                findings.append(Finding(rule, flight.flight_id, (), Verdict.NOT_JUDGED, reason=_WINDING))
+                continue
+            findings += [self._judged(rule, place) for place in self._places(rule, flight)]
+        return findings
+
+    def _why_nothing(self) -> str:
+        if self._inspection.steps:
+            return "the paper's method measures nothing from nosing to nosing: measure with the method survey"
+        return "no staircase was found"
+
+    def _places(self, rule: Rule, flight: Flight) -> list[_Place]:
+        if rule.statistic == "flight":
+            return [self._of_flight(rule, flight)]
+        chosen = self._chosen(rule, flight)
+        if not chosen:
+            return [self._nowhere(rule, flight)]
+        if rule.statistic == "each":
+            places = [self._of_step(rule, flight, step) for step in chosen]
+            if rule.quantity == "rise" and not _has_upper_end(self._steps_of(flight)):
+                places.append(_Place(flight.flight_id, (), None, _above(chosen[-1])))
+            return places
+        if rule.statistic == "adjacent_difference":
+            return self._differences(rule, flight, chosen)
+        return [self._spread(rule, flight, chosen)]
+
+    def _steps_of(self, flight: Flight) -> list[Step]:
+        return [self._steps[step_id] for step_id in flight.step_ids]
+
+    def _of_kind(self, rule: Rule, flight: Flight) -> list[Step]:
+        """Return the steps that have the rule's quantity by their kind."""
+        if rule.quantity in _LANDINGS_TOO:
+            return self._steps_of(flight)
+        kind = "landing" if rule.quantity == "landing_slope" else "tread"
+        return [step for step in self._steps_of(flight) if step.kind == kind]
+
+    def _chosen(self, rule: Rule, flight: Flight) -> list[Step]:
+        """Return the steps to which a rule applies, or may apply."""
+        return [step for step in self._of_kind(rule, flight) if self._applies(rule, step) is not False]
+
+    def _applies(self, rule: Rule, step: Step) -> bool | None:
+        """Tell whether a rule's condition holds at a step; None where the value is missing or too near to tell."""
+        if rule.only_where is None:
+            return True
+        measured = step_value(step, rule.only_where.quantity)
+        if measured is None:
+            return None
+        gap = rule.only_where.below.value - measured.value
+        is_close = self._decision == "guarded" and abs(gap) < measured.u
+        return None if is_close else gap > _ROUNDING
+
+    def _nowhere(self, rule: Rule, flight: Flight) -> _Place:
+        if self._of_kind(rule, flight) and rule.only_where is not None:
+            condition = f"no step has a {rule.only_where.quantity} below {rule.only_where.below.text}"
+            return _Place(flight.flight_id, (), None, f"does not apply: {condition}", applies=False)
+        kind = "landing" if rule.quantity == "landing_slope" else "tread"
+        return _Place(flight.flight_id, (), None, f"no {kind} of this flight was seen")
+
+    def _of_step(self, rule: Rule, flight: Flight, step: Step) -> _Place:
+        measured = step_value(step, rule.quantity)
+        if measured is None:
+            reason = self._why_not(step, flight, rule.quantity)
+        else:
+            reason = "; ".join(self._notes_on(step, _CAVEATS.get(rule.quantity, ())))
+        return _Place(
+            flight.flight_id, (step.step_id,), measured, reason, is_doubtful=self._applies(rule, step) is None
+        )
+
+    def _notes_on(self, step: Step, codes: Sequence[str]) -> list[str]:
+        return [note.message for note in self._inspection.notes if note.step == step.step_id and note.code in codes]
+
+    def _why_not(self, step: Step, flight: Flight, quantity: str) -> str:
+        """Say why a value is missing: the survey's own note where it left one."""
+        here, above = step.step_id, step.step_id + 1
+        is_last = here == flight.step_ids[-1]
+        codes = {
+            "rise": ((here, "tread_missing"), (here, "rise_unobserved")),
+            "going": ((above, "tread_missing"),),
+            "two_r_plus_g": ((here, "tread_missing"), (here, "rise_unobserved"), (above, "tread_missing")),
+            "tread_depth": ((here, "back_unobserved"),),
+            "nosing_overhang": ((above, "tread_missing"), (here, "back_unobserved")),
+        }.get(quantity, ())
+        for number, code in codes:
+            if is_last and number == above:
+                continue
+            for note in self._inspection.notes:
+                if (note.step, note.code) == (number, code):
+                    return note.message
+        if is_last and quantity in ("going", "two_r_plus_g", "nosing_overhang"):
+            return f"no nosing was seen above step {here}, up to which its going is measured"
+        return f"not measured at step {here}"
+
+    def _differences(self, rule: Rule, flight: Flight, steps: Sequence[Step]) -> list[_Place]:
+        places = []
+        for lower, upper in itertools.pairwise(steps):
+            a, b = step_value(lower, rule.quantity), step_value(upper, rule.quantity)
+            pair = (lower.step_id, upper.step_id)
+            if a is None or b is None:
+                lost = lower if a is None else upper
+                places.append(_Place(flight.flight_id, pair, None, self._why_not(lost, flight, rule.quantity)))
+            else:
+                measured = difference(b, a, rule.quantity in _CHAINED and upper.step_id == lower.step_id + 1)
+                is_doubtful = None in (self._applies(rule, lower), self._applies(rule, upper))
+                places.append(_Place(flight.flight_id, pair, measured, is_doubtful=is_doubtful))
+        if not places:
+            return [_Place(flight.flight_id, (), None, _SINGLE, applies=False)]
+        return places
+
+    def _spread(self, rule: Rule, flight: Flight, steps: Sequence[Step]) -> _Place:
+        known = [(step, value) for step in steps if (value := step_value(step, rule.quantity)) is not None]
+        missing = [step for step in steps if step_value(step, rule.quantity) is None]
+        reason = self._why_partial(rule, flight, missing, len(known))
+        if len(known) < 2:
+            return _Place(flight.flight_id, (), None, reason or _SINGLE, applies=bool(reason))
+        measured, u_down, at = spread([value for _, value in known], rule.quantity in _CHAINED)
+        extremes = [known[position][0] for position in sorted(at)]
+        return _Place(
+            flight.flight_id,
+            tuple(step.step_id for step in extremes),
+            measured,
+            reason,
+            u_down,
+            is_partial=bool(reason),
+            is_doubtful=any(self._applies(rule, step) is None for step in extremes),
+        )
+
+    def _why_partial(self, rule: Rule, flight: Flight, missing: Sequence[Step], n_known: int) -> str:
+        """Say why the values are not those of the whole flight; empty where they are."""
+        reasons = []
+        if missing:
+            first = self._why_not(missing[0], flight, rule.quantity)
+            reasons.append(f"{len(missing)} of {n_known + len(missing)} values are missing ({first})")
+        steps = self._steps_of(flight)
+        if rule.quantity == "rise" and not _has_upper_end(steps):
+            reasons.append(_above(steps[-1]))
+        return "; ".join(reasons)
+
+    def _of_flight(self, rule: Rule, flight: Flight) -> _Place:
+        steps = self._steps_of(flight)
+        if rule.quantity == "pitch":
+            reason = "" if flight.pitch_deg else "a nosing is missing or the flight has a single step: it has no line"
+            return _Place(flight.flight_id, (), flight.pitch_deg, reason)
+        rises = [step.rise_m for step in steps]
+        open_ends = []
+        if rises[0] is None:
+            open_ends.append(self._why_not(steps[0], flight, "rise"))
+        if not _has_upper_end(steps):
+            open_ends.append(_above(steps[-1]))
+        if rule.quantity == "n_risers":
+            count = Measured(float(flight.n_risers), 0.0)
+            return _Place(flight.flight_id, (), count, "; ".join(open_ends), is_partial=bool(open_ends))
+        if any(rise is None for rise in rises[1:]):
+            open_ends.append("a rise within the flight was not measured")
+        known = [rise for rise in rises if rise is not None]
+        measured = total(known) if known else None
+        return _Place(flight.flight_id, (), measured, "; ".join(open_ends), is_partial=bool(open_ends))
+
+    def _judged(self, rule: Rule, place: _Place) -> Finding:
+        measured = place.measured
+        if measured is None:
+            verdict = Verdict.NOT_MEASURED if place.applies else Verdict.NOT_JUDGED
+            return Finding(rule, place.flight, place.steps, verdict, reason=place.reason)
+        margin, limit = _nearest(rule, measured.value)
+        if rule.severity == "report_only" or margin is None:
+            reason = place.reason or _why_only_reported(rule)
+            return Finding(
+                rule, place.flight, place.steps, Verdict.REPORTED, measured.value, measured.u, margin, limit, reason
+            )
+        is_too_large = limit is rule.maximum and margin < 0.0
+        u = place.u_down if is_too_large and place.u_down is not None else measured.u
+        verdict = self._verdict(margin, u)
+        reason = place.reason
+        if place.is_partial and not (verdict.is_outside and limit is rule.maximum):
+            # More of the flight can only make a spread, a count or a sum larger.
+            verdict = Verdict.NOT_MEASURED
+            reason = f"{shown(rule.quantity, measured.value)} is what was measured of it: {reason}"
+        if place.is_doubtful:
+            is_softened = verdict is Verdict.OUTSIDE and self._decision == "guarded"
+            verdict = Verdict.OUTSIDE_CLOSE if is_softened else verdict
+            reason = "; ".join(part for part in (reason, "whether the clause applies here is not certain") if part)
+        return Finding(rule, place.flight, place.steps, verdict, measured.value, u, margin, limit, reason)
+
+    def _verdict(self, margin: float, u: float) -> Verdict:
+        if self._decision == "simple":
+            return Verdict.WITHIN if margin >= 0.0 else Verdict.OUTSIDE
+        if margin >= 0.0:
+            return Verdict.WITHIN if margin >= u - _ROUNDING else Verdict.WITHIN_CLOSE
+        return Verdict.OUTSIDE if -margin >= u - _ROUNDING else Verdict.OUTSIDE_CLOSE
+
+
+def _nearest(rule: Rule, value: float) -> tuple[float | None, Limit | None]:
+    """Return the distance to the limit that decides, negative beyond it, and that limit."""
+    margins = _margins(rule, value)
+    if not margins:
+        return None, None
+    margin, limit = min(margins, key=lambda pair: pair[0])
+    return (0.0 if abs(margin) < _ROUNDING else margin), limit
+
+
+def _margins(rule: Rule, value: float) -> list[tuple[float, Limit]]:
+    margins = []
+    if rule.minimum is not None:
+        margins.append((value - rule.minimum.value, rule.minimum))
+    if rule.maximum is not None:
+        margins.append((rule.maximum.value - value, rule.maximum))
+    return margins
+
+
+def _has_upper_end(steps: Sequence[Step]) -> bool:
+    return steps[-1].kind == "landing"
+
+
+def _above(step: Step) -> str:
+    return f"the upper end of the flight was not seen: there may be risers above step {step.step_id}"
+
+
+def _why_only_reported(rule: Rule) -> str:
+    if rule.minimum is None and rule.maximum is None:
+        return "the clause gives no number"
+    return f"applies to {rule.applies}" if rule.applies else "reported without a judgement"
+
+
+def _fit_of(rule: Rule, findings: Sequence[Finding], registration_m: float) -> Fit:
+    """Say whether the scan is good enough to judge a rule: its largest U against the tolerance.
+
+    In a difference all that is left is what moves single steps, of which no scan shows its own registration: the words
+    say what the user has stated of it.
+    """
+    doubts = [found.u for found in findings if found.u is not None]
+    if rule.from_scan == "no":
+        return Fit(rule.rule_id, "not assessed from a scan", None)
+    if not doubts:
+        return Fit(rule.rule_id, "nothing was measured or judged", None)
+    u = max(doubts)
+    if rule.severity == "report_only":
+        return Fit(rule.rule_id, f"reported only, U up to {shown(rule.quantity, u)}", None, u)
+    if rule.quantity == "n_risers":
+        return Fit(rule.rule_id, "fit: a count", True, u)
+    tolerance = _tolerance(rule)
+    if tolerance == 0.0:
+        return Fit(
+            rule.rule_id, "not fit: what is intended lies on the limit, where no measurement decides", False, u, 0.0
+        )
+    is_fit = u <= _FIT_SHARE * tolerance
+    most = shown(rule.quantity, _FIT_SHARE * tolerance)
+    words = f"U up to {shown(rule.quantity, u)}; this check needs at most {most}"
+    if rule.statistic in _DIFFERENCES:
+        stated = f"is stated as {shown(rule.quantity, registration_m)}" if registration_m else "is not stated"
+        words += f"; registration from step to step {stated}"
+    return Fit(rule.rule_id, f"{'fit' if is_fit else 'not fit'}: {words}", is_fit, u, tolerance)
+
+
+def _tolerance(rule: Rule) -> float:
+    """Return what U is held against: the room between the limits, for a size no more than a tenth of the limit."""
+    low, high = (None if limit is None else limit.value for limit in (rule.minimum, rule.maximum))
+    if rule.statistic in _DIFFERENCES or rule.quantity not in _SIZES:
+        return (low or 0.0) if high is None else high - (low or 0.0)
+    limits = [limit for limit in (low, high) if limit is not None]
+    share = _SIZE_SHARE * min(limits)
+    return share if low is None or high is None else min(share, high - low)

@@ -1,0 +1,187 @@
+"""What a rule is about: the quantities of steps and flights with their uncertainties, in SI units.
+
+Lengths are metres, angles degrees, slopes tangents. Every ``Measured`` here carries its expanded uncertainty (k = 2)
+and its parts. The parts of :mod:`stages.doubt` fall into two kinds:
+
+- ``noise``, ``edge`` and ``registration`` belong to single surfaces and nosings: independent from place to place, so
+  they add as squares; two values that share a nosing share its part;
+- ``up`` and ``scale`` are one error of the whole scan: they add with their signs, and cancel in a difference.
+"""
+
+import functools
+import math
+from collections.abc import Sequence
+from statistics import NormalDist
+
+from stair_inspector.model import Measured, Step
+
+OWN_PARTS = ("noise", "edge", "registration")
+"""Parts that are independent from nosing to nosing."""
+COMMON_PARTS = ("up", "scale")
+"""Parts that are one error of the whole scan."""
+_K = 2.0
+_ALL_ROUND = math.sqrt(-2.0 * math.log(0.05)) / _K
+"""A circle that holds 95 % of a normal error in two directions, in expanded uncertainties (k = 2) of one."""
+
+
+def step_value(step: Step, quantity: str) -> Measured | None:
+    """Return a quantity of one step, None where it was not measured.
+
+    ``two_r_plus_g`` is twice the rise to the step and its going; the slope of a tread or landing is that in its
+    steepest direction.
+    """
+    if quantity == "two_r_plus_g":
+        return _two_r_plus_g(step)
+    if quantity in ("tread_slope", "landing_slope"):
+        return _steepest(step)
+    values = {
+        "rise": step.rise_m,
+        "going": step.going_m,
+        "tread_depth": step.tread_depth_m,
+        "width": step.width_m,
+        "nosing_overhang": step.nosing_overhang_m,
+        "pitch": step.pitch_deg,
+    }
+    return values[quantity]
+
+
+def part_of(measured: Measured, name: str) -> float:
+    """Return one part of an uncertainty, expanded (k = 2); 0 for a part without weight."""
+    return dict(measured.parts).get(name, 0.0)
+
+
+def combined(value: float, parts: dict[str, float]) -> Measured:
+    """Return a value whose uncertainty is the root of the sum of the squares of expanded parts."""
+    named = tuple((name, part) for name, part in parts.items() if part > 0.0)
+    return Measured(value, math.sqrt(sum(part * part for _, part in named)), named)
+
+
+def _two_r_plus_g(step: Step) -> Measured | None:
+    rise, going = step.rise_m, step.going_m
+    if rise is None or going is None:
+        return None
+    parts = {name: math.hypot(2.0 * part_of(rise, name), part_of(going, name)) for name in OWN_PARTS}
+    # A tilt that makes the rises larger makes the goings smaller.
+    parts["up"] = abs(2.0 * part_of(rise, "up") - part_of(going, "up"))
+    parts["scale"] = 2.0 * part_of(rise, "scale") + part_of(going, "scale")
+    return combined(2.0 * rise.value + going.value, parts)
+
+
+def _steepest(step: Step) -> Measured | None:
+    """Return the slope in the steepest direction, a tangent, from the slopes along and across the climb."""
+    if step.fall_deg is None or step.cross_fall_deg is None:
+        return None
+    along, across = (math.tan(math.radians(angle.value)) for angle in (step.fall_deg, step.cross_fall_deg))
+    slope = math.hypot(along, across)
+    u_along, u_across = (
+        math.radians(angle.u) * (1.0 + tangent * tangent)
+        for angle, tangent in ((step.fall_deg, along), (step.cross_fall_deg, across))
+    )
+    if slope <= max(u_along, u_across):
+        # Level within its uncertainty: the steepest direction may be any.
+        return Measured(slope, _ALL_ROUND * max(u_along, u_across))
+    return Measured(slope, math.hypot(along * u_along, across * u_across) / slope)
+
+
+def difference(upper: Measured, lower: Measured, share_a_nosing: bool) -> Measured:
+    """Return the size of the difference between two values of one flight.
+
+    What is one error of the whole scan cancels as far as it is the same in both. Rises and goings of neighbours share
+    a nosing: if it is wrong by e, one is too long by e and the other too short, so that their difference is wrong by
+    2 e. With n the noise of one nosing, a rise has 2 n**2 of variance and the difference of neighbours 6 n**2, half
+    more than that of steps apart.
+
+    Parameters
+    ----------
+    upper, lower : Measured
+        Two rises, two goings, or two values of another quantity.
+    share_a_nosing : bool
+        Whether they end at one nosing with opposite signs: rises or goings of neighbouring steps.
+    """
+    parts = {}
+    for name in OWN_PARTS:
+        a, b = part_of(upper, name), part_of(lower, name)
+        shared = min((a * a + b * b) / 4.0, a * a, b * b) if share_a_nosing else 0.0
+        parts[name] = math.sqrt(a * a + b * b + 2.0 * shared)
+    for name in COMMON_PARTS:
+        parts[name] = abs(part_of(upper, name) - part_of(lower, name))
+    # What has no parts, or others, is taken as independent.
+    rest = [
+        max(0.0, value.u**2 - sum(part_of(value, name) ** 2 for name in (*OWN_PARTS, *COMMON_PARTS)))
+        for value in (upper, lower)
+    ]
+    parts["other"] = math.sqrt(sum(rest)) if sum(rest) > 1e-9 * (upper.u**2 + lower.u**2) else 0.0
+    return combined(abs(upper.value - lower.value), parts)
+
+
+def spread(values: Sequence[Measured], are_chained: bool) -> tuple[Measured, float, tuple[int, int]]:
+    """Return the largest less the smallest of several values, its uncertainty upwards and downwards.
+
+    The true spread is at least that of any two values, so it is larger than the one found by no more than the
+    uncertainty of a difference of two. Downwards the choice counts: of many noisy values the largest and the smallest
+    are those with the luckiest noise, and an even flight shows a spread. There the part that is independent from
+    nosing to nosing is widened from k = 2 for one pair to the 95 % point of the spread of n values.
+
+    Parameters
+    ----------
+    values : sequence of Measured
+        Two or more, from bottom to top.
+    are_chained : bool
+        Whether neighbours share a nosing (rises, goings).
+
+    Returns
+    -------
+    measured : Measured
+        The spread; ``u`` is how much larger it may be (k = 2).
+    u_down : float
+        How much smaller it may be (95 %).
+    positions : tuple of int
+        Where in ``values`` the smallest and the largest are.
+
+    References
+    ----------
+    .. [1] J. W. Tukey, The Problem of Multiple Comparisons, 1953 (simultaneous intervals of all differences).
+    """
+    low = min(range(len(values)), key=lambda k: values[k].value)
+    high = max(range(len(values)), key=lambda k: values[k].value)
+    found = difference(values[high], values[low], are_chained and abs(high - low) == 1)
+    common = sum(part_of(found, name) ** 2 for name in COMMON_PARTS)
+    own = max(0.0, found.u**2 - common)
+    widened = max(1.0, spread_quantile(len(values)) / (_K * math.sqrt(2.0)))
+    return found, math.sqrt(own * widened**2 + common), (low, high)
+
+
+def total(rises: Sequence[Measured]) -> Measured:
+    """Return the sum of the rises of a flight: of the nosings only the first and the last count."""
+    first, last = rises[0], rises[-1]
+    parts = {
+        name: math.sqrt((part_of(first, name) ** 2 + part_of(last, name) ** 2) / 2.0) for name in ("noise", "edge")
+    }
+    # From surface to surface registration may drift.
+    parts["registration"] = math.sqrt(sum(part_of(rise, "registration") ** 2 for rise in rises))
+    for name in COMMON_PARTS:
+        parts[name] = sum(part_of(rise, name) for rise in rises)
+    return combined(math.fsum(rise.value for rise in rises), parts)
+
+
+@functools.cache
+def spread_quantile(n: int) -> float:
+    """Return the 95 % point of the spread of ``n`` values from one normal distribution, in its standard deviations."""
+    normal = NormalDist()
+    # The integral over the place of the smallest value; beyond six standard deviations nothing is left.
+    step = 0.02
+    places = [-6.0 + step * k for k in range(round(12.0 / step) + 1)]
+    densities = [normal.pdf(place) * step for place in places]
+    below = [normal.cdf(place) for place in places]
+
+    def probability(width: float) -> float:
+        return n * sum(
+            density * (normal.cdf(place + width) - under) ** (n - 1)
+            for place, density, under in zip(places, densities, below, strict=True)
+        )
+
+    low, high = 0.0, 12.0
+    while high - low > 1e-4:
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if probability(middle) < 0.95 else (low, middle)
+    return high

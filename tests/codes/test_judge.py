@@ -1,0 +1,416 @@
+"""The verdicts, on flights whose values are stated."""
+
+import dataclasses
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stair_inspector.codes import Check, Limit, Verdict, check, gravest
+from stair_inspector.codes.rules import Condition
+from stair_inspector.codes.text import check_text, verdict_sentence
+from stair_inspector.errors import ConfigError
+from stair_inspector.files.check_records import check_record
+from stair_inspector.files.rule_sets import find_rule_set
+from tests.codes.flights import changed, even, flight_of, inspection_of, measured, step
+from tests.codes.test_rules import rule, rule_set
+
+RISER = rule(minimum=None, maximum=Limit.of("170", "mm"))
+RANGE = rule("range", statistic="flight_range", minimum=None, maximum=Limit.of("10", "mm"))
+ADJACENT = rule("adjacent", statistic="adjacent_difference", minimum=None, maximum=Limit.of("5", "mm"))
+GOING = rule("going", quantity="going", minimum=Limit.of("250", "mm"), maximum=None)
+GOING_RANGE = rule(
+    "going-range", quantity="going", statistic="flight_range", minimum=None, maximum=Limit.of("10", "mm")
+)
+
+
+def judged(inspection, *rules, decision="guarded") -> Check:
+    return check(inspection, rule_set(*rules), decision)
+
+
+def verdicts(result, rule_id=None):
+    return [(found.steps, found.verdict) for found in result.findings if rule_id in (None, found.rule.rule_id)]
+
+
+SILENT = (Verdict.NOT_MEASURED, Verdict.NOT_JUDGED, Verdict.NOT_ASSESSED)
+"""What is said where no value is held against a limit; each says why."""
+
+# --- the decision rule ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("rise", "u", "guarded", "simple"),
+    [
+        (0.160, 0.002, Verdict.WITHIN, Verdict.WITHIN),
+        (0.168, 0.002, Verdict.WITHIN, Verdict.WITHIN),
+        (0.169, 0.002, Verdict.WITHIN_CLOSE, Verdict.WITHIN),
+        (0.170, 0.002, Verdict.WITHIN_CLOSE, Verdict.WITHIN),
+        (0.170, 0.000, Verdict.WITHIN, Verdict.WITHIN),
+        (0.171, 0.002, Verdict.OUTSIDE_CLOSE, Verdict.OUTSIDE),
+        (0.172, 0.002, Verdict.OUTSIDE, Verdict.OUTSIDE),
+        (0.180, 0.002, Verdict.OUTSIDE, Verdict.OUTSIDE),
+    ],
+)
+def test_four_verdicts_or_simple_acceptance(rise, u, guarded, simple):
+    inspection = inspection_of(changed(even(rise=0.15), 3, rise_m=measured(rise, u)))
+    for decision, verdict in (("guarded", guarded), ("simple", simple)):
+        found = judged(inspection, RISER, decision=decision).of_step(3)[0]
+        assert found.verdict is verdict
+        assert (found.value, found.u) == (rise, u)
+        assert found.margin == pytest.approx(0.170 - rise, abs=1e-12)
+        assert found.limit == RISER.maximum
+
+
+@given(rise=st.floats(0.05, 0.3), u=st.floats(0.0, 0.02))
+def test_the_decision_rules_never_disagree_about_the_side(rise, u):
+    both = rule(minimum=Limit.of("100", "mm"), maximum=Limit.of("170", "mm"))
+    inspection = inspection_of(changed(even(rise=0.15), 3, rise_m=measured(rise, u)))
+    guarded, simple = (judged(inspection, both, decision=name).of_step(3)[0] for name in ("guarded", "simple"))
+    assert guarded.verdict.is_outside == simple.verdict.is_outside
+    assert guarded.verdict.is_within == simple.verdict.is_within
+    assert guarded.verdict.is_outside == (not 0.1 <= rise <= 0.17)
+    if guarded.verdict is Verdict.WITHIN:
+        assert rise - u >= 0.1 - 1e-8
+        assert rise + u <= 0.17 + 1e-8
+
+
+def test_the_nearest_limit_decides():
+    both = rule(minimum=Limit.of("100", "mm"), maximum=Limit.of("170", "mm"))
+    steps = changed(changed(even(rise=0.15), 2, rise_m=measured(0.09, 0.001)), 4, rise_m=measured(0.19, 0.001))
+    result = judged(inspection_of(steps), both)
+    assert result.of_step(2)[0].limit == both.minimum
+    assert result.of_step(4)[0].limit == both.maximum
+    assert result.of_step(4)[0].margin == pytest.approx(-0.02)
+
+
+def test_an_unknown_decision_rule():
+    with pytest.raises(ConfigError, match="decision: got 'kind'; give one of guarded, simple"):
+        judged(inspection_of(even()), RISER, decision="kind")
+
+
+def test_only_limits_make_a_check_be_outside():
+    high = inspection_of(even(rise=0.2))
+    assert judged(high, RISER).is_outside
+    for severity in ("advisory", "report_only"):
+        assert not judged(high, dataclasses.replace(RISER, severity=severity)).is_outside
+
+
+def test_an_advisory_is_judged_and_a_report_is_not():
+    high = inspection_of(even(rise=0.2, u=0.001))
+    assert judged(high, dataclasses.replace(RISER, severity="advisory")).findings[0].verdict is Verdict.OUTSIDE
+    found = judged(high, dataclasses.replace(RISER, severity="report_only")).findings[0]
+    assert (found.verdict, found.value, found.u) == (Verdict.REPORTED, 0.2, 0.001)
+
+
+def test_uniform_without_a_number_is_reported():
+    result = judged(inspection_of(even(u=0.001)), dataclasses.replace(RANGE, maximum=None, severity="report_only"))
+    assert result.findings[0].verdict is Verdict.REPORTED
+    assert result.findings[0].reason == "the clause gives no number"
+
+
+# --- statistics ----------------------------------------------------------------------------------------------------
+
+
+def test_the_spread_is_the_largest_less_the_smallest_and_names_them():
+    steps = changed(changed(even(), 2, rise_m=measured(0.160, 0.0)), 5, rise_m=measured(0.172, 0.0))
+    found = judged(inspection_of(steps), RANGE).findings
+    assert [(each.steps, each.verdict) for each in found] == [((2, 5), Verdict.OUTSIDE)]
+    # 12 mm, though no rise is further than 7 mm from the mean.
+    assert found[0].value == pytest.approx(0.012)
+
+
+def test_neighbours_are_compared_pair_by_pair():
+    steps = changed(even(4), 3, rise_m=measured(0.172, 0.0))
+    result = judged(inspection_of(steps), ADJACENT)
+    assert verdicts(result) == [((1, 2), Verdict.WITHIN), ((2, 3), Verdict.OUTSIDE), ((3, 4), Verdict.OUTSIDE)]
+    assert [found.value for found in result.findings] == pytest.approx([0.0, 0.007, 0.007])
+
+
+def test_the_landing_has_a_rise_but_no_going():
+    result = judged(inspection_of(even(4)), RISER, GOING)
+    assert [steps for steps, _ in verdicts(result, "riser")] == [(1,), (2,), (3,), (4,)]
+    assert [steps for steps, _ in verdicts(result, "going")] == [(1,), (2,), (3,)]
+
+
+def test_flights_are_judged_apart():
+    steps = [*even(3), *(dataclasses.replace(each, step_id=each.step_id + 3, flight=2) for each in even(3, rise=0.18))]
+    flights = [flight_of(steps[:3]), flight_of(steps[3:], flight_id=2)]
+    result = judged(inspection_of(steps, flights), RANGE)
+    assert [(found.flight, found.verdict) for found in result.findings] == [(1, Verdict.WITHIN), (2, Verdict.WITHIN)]
+
+
+def test_a_float_on_the_limit_is_inside():
+    """0.1778 - 0.168275 is a hair more than 0.009525 in binary."""
+    inch = rule("range", statistic="flight_range", minimum=None, maximum=Limit.of("3/8", "in"))
+    steps = changed(even(rise=0.17), 2, rise_m=measured(0.168275, 0.0))
+    steps = changed(steps, 4, rise_m=measured(0.1778, 0.0))
+    found = judged(inspection_of(steps), inch).findings[0]
+    assert (found.verdict, found.margin) == (Verdict.WITHIN, 0.0)
+
+
+# --- not measured, not judged --------------------------------------------------------------------------------------
+
+
+def test_no_staircase_is_no_pass():
+    result = judged(inspection_of([], []), RISER, RANGE)
+    assert {found.verdict for found in result.findings} == {Verdict.NOT_MEASURED}
+    assert {found.reason for found in result.findings} == {"no staircase was found"}
+    assert not result.is_judged
+    assert not result.is_outside
+    sentence = verdict_sentence(result)
+    assert sentence == "Nothing could be judged against my-set; 2 values were not measured, which is no pass."
+
+
+def test_the_papers_values_are_not_judged():
+    result = judged(inspection_of(even(), []), RISER)
+    assert result.findings[0].verdict is Verdict.NOT_MEASURED
+    assert "the paper's method measures nothing from nosing to nosing" in result.findings[0].reason
+
+
+@pytest.mark.parametrize("shape", ["winder", "spiral"])
+def test_winding_flights_are_not_judged(shape):
+    steps = even()
+    result = judged(inspection_of(steps, [flight_of(steps, shape)]), RISER, RANGE, GOING)
+    assert {found.verdict for found in result.findings} == {Verdict.NOT_JUDGED}
+    assert not result.is_judged
+    assert "what was not judged is no pass either" in verdict_sentence(result)
+
+
+def test_a_first_riser_that_was_not_seen_is_named_and_leaves_the_spread_open():
+    steps = changed(even(), 1, rise_m=None)
+    note = ("rise_unobserved", "step 1 has no rise: no floor or landing was seen a riser below it", 1)
+    result = judged(inspection_of(steps, notes=[note]), RISER, RANGE, ADJACENT)
+    assert result.of_rule("riser")[0].verdict is Verdict.NOT_MEASURED
+    assert result.of_rule("riser")[0].reason == note[1]
+    (spread,) = result.of_rule("range")
+    assert spread.verdict is Verdict.NOT_MEASURED
+    assert spread.reason.startswith("0.00 mm is what was measured of it: 1 of 6 values are missing (step 1 has no")
+    assert verdicts(result, "adjacent")[0] == ((1, 2), Verdict.NOT_MEASURED)
+    assert not result.is_outside
+
+
+def test_what_is_missing_cannot_make_a_spread_smaller():
+    steps = changed(changed(even(), 1, rise_m=None), 4, rise_m=measured(0.2, 0.001))
+    found = judged(inspection_of(steps), RANGE).findings[0]
+    assert found.verdict is Verdict.OUTSIDE
+
+
+def test_an_upper_end_that_was_not_seen_may_hide_risers():
+    steps = [step(k) for k in range(1, 6)]
+    steps = changed(steps, 5, going_m=None)
+    count = rule("count", quantity="n_risers", statistic="flight", minimum=None, maximum=Limit.of("18", "count"))
+    result = judged(inspection_of(steps), RISER, RANGE, GOING, count)
+    assert verdicts(result, "riser")[-1] == ((), Verdict.NOT_MEASURED)
+    assert "there may be risers above step 5" in result.of_rule("riser")[-1].reason
+    assert verdicts(result, "range")[0][1] is Verdict.NOT_MEASURED
+    assert verdicts(result, "count") == [((), Verdict.NOT_MEASURED)]
+    assert verdicts(result, "going")[-1] == ((5,), Verdict.NOT_MEASURED)
+    assert result.of_rule("going")[-1].reason == "no nosing was seen above step 5, up to which its going is measured"
+
+
+def test_too_many_risers_are_too_many_though_the_upper_end_was_not_seen():
+    steps = [step(k) for k in range(1, 20)]
+    count = rule("count", quantity="n_risers", statistic="flight", minimum=None, maximum=Limit.of("18", "count"))
+    assert judged(inspection_of(steps), count).findings[0].verdict is Verdict.OUTSIDE
+
+
+def test_a_missing_tread_is_said_in_the_surveys_words():
+    steps = changed(changed(even(), 4, rise_m=None), 3, going_m=None)
+    note = ("tread_missing", "a tread is missing or not seen between step 3 and step 4", 4)
+    result = judged(inspection_of(steps, notes=[note]), RISER, GOING, GOING_RANGE)
+    assert [found.reason for found in result.of_rule("riser") if found.verdict is Verdict.NOT_MEASURED] == [note[1]]
+    assert [found.reason for found in result.of_rule("going") if found.verdict is Verdict.NOT_MEASURED] == [note[1]]
+    assert result.of_rule("going-range")[0].verdict is Verdict.NOT_MEASURED
+
+
+def test_a_doubtful_value_says_why():
+    width = rule("width", quantity="width", minimum=Limit.of("900", "mm"), maximum=None)
+    note = ("side_unobserved", "a side of step 2 was not seen", 2)
+    result = judged(inspection_of(even(), notes=[note]), width)
+    assert [found.reason for found in result.findings] == ["", note[1], "", "", ""]
+
+
+def test_the_rise_of_a_flight_is_the_sum_of_its_rises():
+    rise = rule("flight-rise", quantity="flight_rise", statistic="flight", minimum=None, maximum=Limit.of("1", "m"))
+    assert judged(inspection_of(even(6, rise=0.165)), rise).findings[0].value == pytest.approx(0.99)
+    partial = judged(inspection_of(changed(even(6), 3, rise_m=None)), rise).findings[0]
+    assert partial.verdict is Verdict.NOT_MEASURED
+    high = judged(inspection_of(changed(even(8), 3, rise_m=None)), rise).findings[0]
+    assert high.verdict is Verdict.OUTSIDE
+
+
+def test_a_flight_without_a_pitch():
+    pitch = rule("pitch", quantity="pitch", statistic="flight", minimum=None, maximum=Limit.of("42", "deg"))
+    steps = even()
+    flight = dataclasses.replace(flight_of(steps), pitch_deg=None)
+    assert judged(inspection_of(steps, [flight]), pitch).findings[0].verdict is Verdict.NOT_MEASURED
+
+
+def test_a_rule_that_no_scan_shows_is_listed_and_not_judged():
+    headroom = rule(
+        "headroom", term="headroom", quantity="other", from_scan="no", maximum=None, minimum=Limit.of("80", "in")
+    )
+    result = check(inspection_of(even()), rule_set(RISER, headroom, not_assessed=("lighting",)))
+    assert result.of_rule("headroom")[0].verdict is Verdict.NOT_ASSESSED
+    assert result.not_assessed == ("headroom, at least 80 in (2032 mm) (1.1)", "lighting")
+
+
+# --- conditions ----------------------------------------------------------------------------------------------------
+
+NOSING = rule(
+    "nosing",
+    quantity="nosing_overhang",
+    minimum=Limit.of("3/4", "in"),
+    maximum=Limit.of("1 1/4", "in"),
+    only_where=Condition("going", Limit.of("11", "in")),
+)
+
+
+def test_a_rule_holds_only_where_its_condition_does():
+    steps = changed(even(nosing_overhang=0.005), 2, going_m=measured(0.27, 0.001))
+    assert verdicts(judged(inspection_of(steps), NOSING)) == [((2,), Verdict.OUTSIDE)]
+
+
+def test_a_rule_that_holds_nowhere_says_so():
+    found = judged(inspection_of(even(nosing_overhang=0.005)), NOSING).findings
+    assert [(each.steps, each.verdict) for each in found] == [((), Verdict.NOT_JUDGED)]
+    assert found[0].reason == "does not apply: no step has a going below 11 in (279.4 mm)"
+
+
+@pytest.mark.parametrize("going", [measured(0.2790, 0.001), measured(0.2798, 0.001), None])
+def test_where_the_condition_is_close_nothing_is_clearly_outside(going):
+    found = judged(inspection_of(changed(even(nosing_overhang=0.005), 2, going_m=going)), NOSING).of_step(2)[0]
+    assert found.verdict is Verdict.OUTSIDE_CLOSE
+    assert "whether the clause applies here is not certain" in found.reason
+
+
+def test_simple_acceptance_lets_the_value_decide_whether_a_rule_applies():
+    for going, verdict in ((0.2790, Verdict.OUTSIDE), (0.2798, Verdict.NOT_JUDGED)):
+        steps = changed(even(nosing_overhang=0.005), 2, going_m=measured(going, 0.001))
+        assert judged(inspection_of(steps), NOSING, decision="simple").findings[0].verdict is verdict
+
+
+# --- fit for this check --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("rule_of", "u", "is_fit"),
+    [
+        # Half the tolerance, of the difference of two values.
+        (RANGE, 0.005 / 2**0.5 - 1e-6, True),
+        (RANGE, 0.005 / 2**0.5 + 1e-6, False),
+        (ADJACENT, 0.0025 / 3**0.5 - 1e-6, True),
+        (ADJACENT, 0.0025 / 3**0.5 + 1e-6, False),
+        # A twentieth of a size's only limit.
+        (RISER, 0.0084, True),
+        (RISER, 0.0086, False),
+    ],
+)
+def test_a_scan_is_fit_when_u_is_at_most_half_the_tolerance(rule_of, u, is_fit):
+    steps = even(u=u, rise=0.15)
+    # The extremes are no neighbours.
+    steps = changed(changed(steps, 2, rise_m=measured(0.1499, u)), 4, rise_m=measured(0.1501, u))
+    fit = judged(inspection_of(steps), rule_of).fits[0]
+    assert fit.is_fit is is_fit
+    assert fit.words.startswith("fit: U up to " if is_fit else "not fit: U up to ")
+    assert fit.tolerance == pytest.approx(0.017 if rule_of is RISER else rule_of.maximum.value)
+
+
+def test_half_a_millimetre_judges_neighbours_and_one_judges_a_flight():
+    """Tread heights good to about 0.5 mm (1 sigma) for 3/16 in between neighbours, 1 mm for 3/8 in over a flight."""
+    inch = [Limit.of(text, "in") for text in ("3/16", "3/8")]
+    rules = [dataclasses.replace(ADJACENT, maximum=inch[0]), dataclasses.replace(RANGE, maximum=inch[1])]
+    for sigma, expected in ((0.00045, [True, True]), (0.0007, [False, True]), (0.0013, [False, False])):
+        steps = even(u=2.0 * 2**0.5 * sigma)
+        steps = changed(steps, 4, rise_m=measured(0.1651, 2.0 * 2**0.5 * sigma))
+        assert [fit.is_fit for fit in judged(inspection_of(steps), *rules).fits] == expected
+
+
+def test_a_limit_at_what_is_intended_cannot_be_decided():
+    least = rule("least", quantity="nosing_overhang", minimum=Limit.of("0", "mm"), maximum=None, severity="advisory")
+    fit = judged(inspection_of(even(u=0.0005)), least).fits[0]
+    assert fit.is_fit is False
+    assert "lies on the limit, where no measurement decides" in fit.words
+
+
+def test_nothing_measured_is_neither_fit_nor_unfit():
+    assert [fit.is_fit for fit in judged(inspection_of([], []), RISER, RANGE).fits] == [None, None]
+
+
+VALUES = st.none() | st.builds(
+    measured, st.floats(-1.0, 5.0), st.floats(0.0, 0.5), st.sampled_from(["noise", "up", "scale", "other"])
+)
+
+
+@given(data=st.data())
+def test_whatever_was_measured_gets_a_verdict_and_a_text(data):
+    steps = []
+    for number in range(1, data.draw(st.integers(1, 5)) + 1):
+        made = step(number, data.draw(st.sampled_from(["tread", "landing"])))
+        names = ("rise_m", "going_m", "width_m", "nosing_overhang_m", "fall_deg", "cross_fall_deg")
+        steps.append(dataclasses.replace(made, **{name: data.draw(VALUES) for name in names}))
+    flight = flight_of(steps, data.draw(st.sampled_from(["straight", "winder"])))
+    flight = dataclasses.replace(flight, pitch_deg=data.draw(VALUES))
+    inspection = inspection_of(steps, data.draw(st.sampled_from([[flight], []])))
+    for set_id in ("us-ibc-2024-dwelling", "au-ncc-2022-public", "ca-9.8-private", "uk-adk-2013-private"):
+        rules = find_rule_set(set_id)
+        result = check(inspection, rules)
+        assert {found.rule.rule_id for found in result.findings} == {each.rule_id for each in rules.rules}
+        for found in result.findings:
+            assert (found.value is None) <= (found.verdict in SILENT)
+            assert bool(found.reason) >= (found.verdict in SILENT)
+        assert check_text(result)
+        json.dumps(check_record(result), allow_nan=False)
+
+
+# --- the whole -----------------------------------------------------------------------------------------------------
+
+
+def test_the_gravest_finding_stands_for_a_rule():
+    steps = changed(changed(even(rise=0.15), 2, rise_m=measured(0.18, 0.001)), 4, rise_m=measured(0.19, 0.001))
+    assert gravest(judged(inspection_of(changed(steps, 1, rise_m=None)), RISER).findings).steps == (4,)
+    steps = changed(even(rise=0.15), 1, rise_m=None)
+    assert gravest(judged(inspection_of(steps), RISER).findings).verdict is Verdict.NOT_MEASURED
+
+
+def test_the_notes_that_bear_on_a_check_go_with_it():
+    notes = [("uncertainty_unstated", "u holds what the scan shows", None), ("back_unobserved", "no back", 6)]
+    assert judged(inspection_of(even(), notes=notes), RISER).notes == ("u holds what the scan shows",)
+
+
+def test_what_a_scan_shows_only_partly_is_said_with_the_check():
+    width = rule(
+        "width",
+        term="clear width",
+        quantity="width",
+        minimum=Limit.of("900", "mm"),
+        maximum=None,
+        from_scan="partly",
+        note="The treads' width.",
+    )
+    assert judged(inspection_of(even()), width).notes == ("clear width: The treads' width.",)
+
+
+def test_the_same_inspection_gives_the_same_text_and_no_forbidden_word():
+    inspection = inspection_of(changed(even(u=0.001), 3, rise_m=measured(0.18, 0.001)))
+    texts = [check_text(judged(inspection, RISER, RANGE, ADJACENT, GOING)) for _ in range(2)]
+    assert texts[0] == texts[1]
+    assert "riser, step 3: 180.00 ± 1.00 mm, outside by 10.00 mm; 1.1: at most 170 mm" in texts[0]
+    for word in ("complian", "comply", "complies", "legal"):
+        assert word not in texts[0].lower()
+
+
+def test_the_last_sentence_tells_close_from_clear():
+    close = even(rise=0.15)
+    close = changed(close, 2, rise_m=measured(0.1705, 0.001))
+    listed = "the limits listed in 1.1 (Code, 2024)"
+    assert verdict_sentence(judged(inspection_of(close), RISER)) == f"Outside, but by less than U, {listed}."
+    both = changed(close, 3, rise_m=measured(0.18, 0.001))
+    expected = f"Outside {listed}; outside, but by less than U, the limits listed in 1.1."
+    assert verdict_sentence(judged(inspection_of(both), RISER)) == expected
+
+
+def test_a_margin_that_rounds_to_nothing_is_not_shown_as_nothing():
+    inspection = inspection_of(changed(even(rise=0.15), 3, rise_m=measured(0.170004, 0.001)))
+    assert "outside by less than 0.01 mm, which is less than U" in check_text(judged(inspection, RISER))

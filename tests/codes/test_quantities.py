@@ -1,0 +1,158 @@
+"""Sums, differences and spreads with their uncertainties, against simulated errors and known tables."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import studentized_range
+
+from stair_inspector.codes.quantities import difference, spread, spread_quantile, step_value, total
+from stair_inspector.model import Measured
+from tests.codes.flights import measured, step
+
+SIGMA = 0.001
+RUNS = 4000
+
+
+def heights(n_levels, sigma=SIGMA, runs=RUNS, odd=None):
+    """Heights of a flight with rises of 0.17, one of them larger, each with its own error: (runs, levels)."""
+    rises = np.full(n_levels - 1, 0.17)
+    if odd is not None:
+        rises[odd[0]] += odd[1]
+    true = np.concatenate([[0.0], np.cumsum(rises)])
+    return true + np.random.default_rng(7).normal(0.0, sigma, (runs, n_levels))
+
+
+def as_rises(row, sigma=SIGMA):
+    """What the survey says of these heights: each rise with the noise of two surfaces, k = 2."""
+    return [measured(value, 2.0 * math.sqrt(2.0) * sigma) for value in np.diff(row)]
+
+
+# --- one step ------------------------------------------------------------------------------------------------------
+
+
+def test_twice_the_rise_and_the_going():
+    rise = Measured(0.17, 0.002, (("noise", 0.001), ("edge", 0.0008), ("up", 0.0012), ("scale", 0.0004)))
+    going = Measured(0.28, 0.003, (("noise", 0.002), ("edge", 0.001), ("up", 0.0007), ("scale", 0.0006)))
+    found = step_value(step(1, rise=rise, going=going), "two_r_plus_g")
+    assert found.value == pytest.approx(0.62)
+    parts = dict(found.parts)
+    assert parts["noise"] == pytest.approx(math.hypot(0.002, 0.002))
+    assert parts["edge"] == pytest.approx(math.hypot(0.0016, 0.001))
+    # One tilt raises the rises and shortens the goings; one scale stretches both.
+    assert parts["up"] == pytest.approx(2 * 0.0012 - 0.0007)
+    assert parts["scale"] == pytest.approx(2 * 0.0004 + 0.0006)
+    assert found.u == pytest.approx(math.sqrt(sum(part**2 for part in parts.values())))
+
+
+@pytest.mark.parametrize("lost", ["rise", "going"])
+def test_without_a_part_there_is_no_sum(lost):
+    assert step_value(step(1, **{lost: None}), "two_r_plus_g") is None
+
+
+@pytest.mark.parametrize(("fall", "cross"), [(3.0, 0.0), (0.0, -3.0), (-2.0, 1.5), (0.02, 0.01)])
+def test_the_steepest_slope_of_a_tread(fall, cross):
+    u_deg = 0.1
+    found = step_value(step(1, fall=measured(fall, u_deg), cross_fall=measured(cross, u_deg)), "tread_slope")
+    assert found.value == pytest.approx(math.hypot(math.tan(math.radians(fall)), math.tan(math.radians(cross))))
+    errors = np.random.default_rng(3).normal(0.0, u_deg / 2.0, (2, 20_000))
+    slopes = np.hypot(np.tan(np.radians(fall + errors[0])), np.tan(np.radians(cross + errors[1])))
+    assert np.mean(np.abs(slopes - found.value) <= found.u) >= 0.95
+    if math.hypot(fall, cross) > 1.0:
+        assert found.u == pytest.approx(2.0 * slopes.std(), rel=0.02)
+
+
+@pytest.mark.parametrize("lost", ["fall", "cross_fall"])
+def test_a_slope_needs_both_directions(lost):
+    assert step_value(step(1, **{lost: None}), "tread_slope") is None
+
+
+# --- differences ---------------------------------------------------------------------------------------------------
+
+
+def test_neighbouring_rises_share_a_nosing():
+    rows = heights(3)
+    found = difference(*as_rises(rows[0])[::-1], share_a_nosing=True)
+    simulated = np.diff(rows, 2, axis=1)[:, 0]
+    # Three heights: sqrt(6) times the noise of one.
+    assert found.u == pytest.approx(2.0 * math.sqrt(6.0) * SIGMA)
+    assert found.u == pytest.approx(2.0 * simulated.std(), rel=0.03)
+
+
+def test_rises_apart_share_nothing():
+    rises = as_rises(heights(5)[0])
+    assert difference(rises[3], rises[0], share_a_nosing=False).u == pytest.approx(4.0 * SIGMA)
+
+
+def test_what_the_whole_scan_has_in_common_cancels():
+    rise = Measured(0.17, 0.005, (("noise", 0.001), ("up", 0.0048), ("scale", 0.001)))
+    assert difference(rise, rise, share_a_nosing=False).u == pytest.approx(math.sqrt(2.0) * 0.001)
+    # The first rise stands on the floor, which is measured at its foot: a tilt does not move it.
+    first = Measured(0.17, 0.001, (("noise", 0.001),))
+    assert difference(rise, first, share_a_nosing=False).u == pytest.approx(
+        math.sqrt(2 * 0.001**2 + 0.0048**2 + 0.001**2)
+    )
+
+
+def test_an_uncertainty_without_parts_is_taken_as_independent():
+    assert difference(Measured(0.17, 0.003), Measured(0.16, 0.004), share_a_nosing=False).u == pytest.approx(0.005)
+
+
+# --- spreads -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("n", "quantile"), [(2, 2.77), (3, 3.31), (4, 3.63), (5, 3.86), (10, 4.47), (20, 5.01)])
+def test_the_spread_of_n_values_follows_the_printed_tables(n, quantile):
+    assert spread_quantile(n) == pytest.approx(quantile, abs=0.005)
+
+
+def test_the_spread_of_n_values_is_that_of_another_library():
+    assert spread_quantile(16) == pytest.approx(studentized_range.ppf(0.95, 16, math.inf), abs=0.001)
+
+
+@pytest.mark.parametrize("odd", [None, (5, 0.003), (5, 0.0095), (0, 0.02)])
+def test_the_uncertainty_of_a_spread_holds_for_even_and_uneven_flights(odd):
+    true = 0.0 if odd is None else odd[1]
+    found = [spread(as_rises(row), are_chained=True) for row in heights(17, odd=odd)]
+    values = np.array([measured.value for measured, _, _ in found])
+    upwards = np.array([measured.u for measured, _, _ in found])
+    downwards = np.array([u_down for _, u_down, _ in found])
+    # One-sided, as a verdict uses them: too small by more than u, too large by more than u_down.
+    assert np.mean(true - values > upwards) <= 0.025
+    assert np.mean(values - true > downwards) <= 0.05
+
+
+def test_a_flight_is_not_blamed_for_the_noise_of_its_scan():
+    """A perfect flight of 16 risers, its heights known to 1 mm and to 2 mm, held against 3/8 in.
+
+    Without U one in a thousand of the first and more than half of the second would be called outside.
+    """
+    for sigma, most in ((0.001, 0.001), (0.002, 0.05)):
+        found = [spread(as_rises(row, sigma), are_chained=True) for row in heights(17, sigma)]
+        outside = [measured.value - u_down > 0.009525 for measured, u_down, _ in found]
+        assert np.mean(outside) <= most
+
+
+def test_a_spread_names_where_it_is():
+    values = [measured(value, 0.0005) for value in (0.17, 0.165, 0.171, 0.17)]
+    found, u_down, (low, high) = spread(values, are_chained=False)
+    assert (low, high) == (1, 2)
+    assert found.value == pytest.approx(0.006)
+    assert found.u == pytest.approx(math.sqrt(2.0) * 0.0005)
+    assert u_down == pytest.approx(found.u * 3.633 / (2.0 * math.sqrt(2.0)), rel=1e-3)
+
+
+# --- sums ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_sum_of_the_rises_has_the_noise_of_its_ends():
+    rows = heights(11)
+    found = total(as_rises(rows[0]))
+    assert found.value == pytest.approx(rows[0][-1] - rows[0][0])
+    assert found.u == pytest.approx(2.0 * (rows[:, -1] - rows[:, 0]).std(), rel=0.03)
+
+
+def test_a_tilt_and_a_scale_add_up_over_a_flight():
+    rise = Measured(0.17, 0.0, (("up", 0.001), ("scale", 0.0002), ("registration", 0.0005)))
+    parts = dict(total([rise] * 9).parts)
+    assert parts == pytest.approx({"up": 0.009, "scale": 0.0018, "registration": 0.0015})
