@@ -10,6 +10,7 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from stair_inspector.codes import Check, RuleSet
     from stair_inspector.files.projects import Project
     from stair_inspector.model import Inspection, Measured, Scan
+    from stair_inspector.report.fields import ReportBasis
 
 T = TypeVar("T")
 
@@ -41,7 +43,8 @@ Measures staircases in 3-D scans (PLY, PCD, XYZ, PTS, CSV).
 commands:
   view SCAN ...             the web inspector; without a SCAN, or without any command, a bundled sample scan
   measure SCAN ... -o DIR   headless: DIR/STEM.json, STEM.csv and STEM_debug.ply for every scan;
-                            with --project FILE the numbers of a project saved by the web inspector
+                            with --project FILE the numbers of a project saved by the web inspector;
+                            with --report the survey report as PDF, HTML and XLSX, and drawings as DXF
   check SCAN ... --rules ID measure, then hold every value against a rule set; -o DIR writes the files of measure too
   rules                     list the rule sets; --show ID prints one, --toml ID its file, to copy and change
   simulate OUT.ply          a scan of a known staircase by a simulated scanner, and OUT.truth.json
@@ -100,8 +103,9 @@ class Headless(Common):
     project: Annotated[
         str,
         Doc(
-            "Project file of the web inspector: its settings and overrules instead of a preset's; other flags change "
-            "its values. Only the scan that it was made on is measured; without a SCAN the one beside it."
+            "Project file of the web inspector: its settings and overrules instead of a preset's, its rules and what "
+            "it holds for the report; other flags change its values. Only the scan that it was made on is measured; "
+            "without a SCAN the one beside it."
         ),
     ] = ""
     rules: Annotated[
@@ -116,6 +120,15 @@ class Headless(Common):
         Decision,
         Doc("guarded: a value nearer to its limit than its uncertainty is called close; simple: the value decides."),
     ] = "guarded"
+    report: Annotated[
+        tyro.conf.FlagCreatePairsOff[bool],
+        Doc("Write the survey report too: DIR/STEM_report.pdf, .html and .xlsx, STEM_plan.dxf and STEM_section.dxf."),
+    ] = False
+    fields: Annotated[
+        str,
+        tyro.conf.arg(metavar="FILE.toml"),
+        Doc("What only the surveyor knows, for the report: names, dates, instrument, tape readings, logo."),
+    ] = ""
 
 
 @dataclass(frozen=True)
@@ -280,15 +293,16 @@ def _measure(args: list[str]) -> int:
     project = _given_project("measure", args)
     start = Measure(settings=_preset_params(args) if project is None else project.params)
     measure = _parse(Measure, "measure", args, start)
-    rule_set = _rule_set_of(measure, "measure") if measure.rules or measure.overlay else None
+    rules = _rules_of(args, measure, "measure", project)
+    basis = _basis_of(measure, "measure", project)
     _check_folder(measure.out)
     paths, worst = _paths_of(measure, "measure", project)
     _check_stems(paths)
     _check_overwriting(paths, measure.out)
 
     def show(scan: "Scan", inspection: "Inspection", path: Path) -> int:
-        found = _checked(inspection, rule_set, measure)
-        _say(f"{_summary(inspection)}\n  {_wrote(scan, inspection, measure.out, path, found)}\n")
+        found = _checked(inspection, rules)
+        _say(f"{_summary(inspection)}\n  {_wrote(scan, inspection, measure.out, path, found, basis)}\n")
         return 0
 
     return max(worst, _for_each(paths, measure, project, show))
@@ -298,10 +312,15 @@ def _check(args: list[str]) -> int:
     project = _given_project("check", args)
     start = CheckScans(settings=_preset_params(args) if project is None else project.params)
     options = _parse(CheckScans, "check", args, start)
-    rule_set = _rule_set_of(options, "check")
+    rules = _rules_of(args, options, "check", project)
+    if rules is None:
+        raise ConfigError("check: no rule set given; name one with --rules (see: stair-inspector rules)")
+    basis = _basis_of(options, "check", project)
     folder = Path(options.out) if options.out else None
     if folder is not None:
         _check_folder(folder)
+    elif options.report:
+        raise ConfigError("check: got --report without a folder; name one with -o")
     paths, worst = _paths_of(options, "check", project)
     if folder is not None:
         _check_stems(paths)
@@ -311,12 +330,12 @@ def _check(args: list[str]) -> int:
         from stair_inspector.codes import check
         from stair_inspector.codes.text import check_text
 
-        found = check(inspection, rule_set, options.decision)
-        written = "" if folder is None else f"\n  {_wrote(scan, inspection, folder, path, found)}"
+        found = check(inspection, *rules)
+        written = "" if folder is None else f"\n  {_wrote(scan, inspection, folder, path, found, basis)}"
         _say(f"{scan.name} {check_text(found)}{written}\n")
         if found.is_outside:
             return 1
-        if not found.is_judged and any(rule.severity != "report_only" for rule in rule_set.rules):
+        if not found.is_judged and any(rule.severity != "report_only" for rule in rules[0].rules):
             reason = next((each.reason for each in found.findings if each.reason), "no rule applies")
             return _report(CannotMeasure(f"{path}: nothing could be judged: {reason}"))
         return 0
@@ -343,30 +362,69 @@ def _rules(args: list[str]) -> int:
     return 0
 
 
-def _rule_set_of(options: Headless, command: str) -> "RuleSet":
-    """Return the rule set that the options name, with its overlays."""
+def _rules_of(
+    args: list[str], options: Headless, command: str, project: "Project | None"
+) -> "tuple[RuleSet, Decision] | None":
+    """Return the rule set that the options name, or else the project's, with its overlays, and the decision rule."""
     from stair_inspector.codes import overlaid
+    from stair_inspector.files.chosen_rules import rule_set_of
     from stair_inspector.files.rule_sets import find_rule_set
 
-    if not options.rules:
-        raise ConfigError(f"{command}: no rule set given; name one with --rules (see: stair-inspector rules)")
-    rule_set = find_rule_set(options.rules)
+    decision = options.decision
+    if options.rules:
+        rule_set = find_rule_set(options.rules)
+    else:
+        chosen = None if project is None else rule_set_of(project.rules)
+        if project is not None and _value_of(args, "--decision") is None:
+            decision = project.rules.decision
+        if chosen is None:
+            if options.overlay:
+                raise ConfigError(f"{command}: got --overlay without a rule set; name one with --rules")
+            return None
+        rule_set = chosen
     for name in options.overlay:
         rule_set = overlaid(rule_set, find_rule_set(name))
-    return rule_set
+    return rule_set, decision
 
 
-def _checked(inspection: "Inspection", rule_set: "RuleSet | None", options: Headless) -> "Check | None":
+def _basis_of(options: Headless, command: str, project: "Project | None") -> "ReportBasis | None":
+    """Return what the report takes from the user; None where no report is wanted."""
+    if not options.report:
+        if options.fields:
+            raise ConfigError(f"{command}: got --fields without --report; give both")
+        return None
+    from stair_inspector.report.fields import ReportBasis, read_basis
+    from stair_inspector.report.project_basis import basis_of, titled
+
+    if project is None:
+        return read_basis(Path(options.fields)) if options.fields else ReportBasis()
+    basis = read_basis(Path(options.fields)) if options.fields else basis_of(project, options.project)
+    return titled(basis, project.title)
+
+
+def _checked(inspection: "Inspection", rules: "tuple[RuleSet, Decision] | None") -> "Check | None":
     from stair_inspector.codes import check
 
-    return None if rule_set is None else check(inspection, rule_set, options.decision)
+    return None if rules is None else check(inspection, *rules)
 
 
-def _wrote(scan: "Scan", inspection: "Inspection", folder: Path, path: Path, found: "Check | None") -> str:
-    """Write the files of measure and say which."""
+def _wrote(
+    scan: "Scan",
+    inspection: "Inspection",
+    folder: Path,
+    path: Path,
+    found: "Check | None",
+    basis: "ReportBasis | None",
+) -> str:
+    """Write the files of measure, and the report if there is a basis for one, and say which."""
     from stair_inspector.files.exports import write_inspection
 
-    written = write_inspection(scan, inspection, folder, path.stem, found)
+    written = list(write_inspection(scan, inspection, folder, path.stem, found))
+    if basis is not None:
+        from stair_inspector.report.write import write_report
+
+        made_at = datetime.now().astimezone()
+        written += write_report(scan, inspection, folder, path.stem, basis, made_at, found)
     return f"wrote {', '.join(str(file) for file in written)}"
 
 

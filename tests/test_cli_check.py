@@ -163,7 +163,7 @@ def test_without_a_folder_nothing_is_written(run, tmp_path, monkeypatch):  # noq
         ),
         (
             ["measure", STRAIGHT, "-o", "out", "--overlay", "us-nfpa-101-uniformity"],
-            "measure: no rule set given; name one with --rules",
+            "measure: got --overlay without a rule set; name one with --rules",
         ),
     ],
     ids=str,

@@ -155,13 +155,13 @@ def _outside(check: Check) -> Iterable[str]:
             side = "at least" if found.limit is found.rule.minimum else "at most"
             yield (
                 f"{found.rule.term}, {place_text(found)}: {value_text(found)}, outside by "
-                f"{_gap_text(found.rule, -found.margin)}{less}; {found.rule.clause}: {side} {found.limit.text}"
+                f"{gap_text(found.rule, -found.margin)}{less}; {found.rule.clause}: {side} {found.limit.text}"
                 + (f" (for {found.rule.applies})" if found.rule.applies else "")
                 + (f"; {found.reason}" if found.reason else "")
             )
 
 
-def _gap_text(rule: Rule, gap: float) -> str:
+def gap_text(rule: Rule, gap: float) -> str:
     """Return a distance to a limit; one that rounds to nothing is not shown as nothing."""
     scale, _, digits = display_of(rule.quantity)
     least = 10.0**-digits / scale

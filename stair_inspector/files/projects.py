@@ -1,4 +1,4 @@
-"""The inspector's work on one scan as one file: settings, overrules, measurements, views and kept runs.
+"""The inspector's work on one scan as one file: settings, overrules, measurements, views, kept runs, rules and report.
 
 The scan itself is never written: a project names it by its SHA-256, so that its numbers cannot be taken from another.
 """
@@ -9,7 +9,7 @@ import math
 import re
 import stat
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 from stair_inspector import __version__
 from stair_inspector.errors import ConfigError, ReadError
 from stair_inspector.files.atomic import write_atomically
+from stair_inspector.files.chosen_rules import ChosenRules, chosen_from_dict, chosen_to_dict
 from stair_inspector.files.settings import params_from_dict, params_to_dict
 from stair_inspector.files.toml import check_keys
 from stair_inspector.params import Params, is_one_line
@@ -27,12 +28,17 @@ Point = tuple[float, float, float]
 SCHEMA = "stair-inspector/project-1"
 SUFFIX = ".stair.json"
 """How the name of a project file ends."""
-LARGEST_BYTES = 4_000_000
-"""A project is a few kilobytes; a larger file is something else."""
+LARGEST_BYTES = 20_000_000
+"""A project is a few kilobytes, and some megabytes with the report's pictures; a larger file is something else."""
 
+_KEYS = ("schema", "software", "title", "scan", "settings", "measurements", "views", "runs")
+_LATER_KEYS = ("rules", "report")
+"""Keys that files from before they existed do not have."""
 _LONGEST_NAME = 200
 _LONGEST_FILE_NAME = 4000
 """A file name has 255 bytes at most, but each that cannot be shown is written as an escape."""
+RESERVED_NAMES = ("none", "what is shown")
+"""What menus of measurements, views and runs say for none of them, and for a result that is no kept run."""
 _MOST_ENTRIES = 500
 """Most measurements, views or runs of a project."""
 _FARTHEST_M = 1e8
@@ -97,6 +103,8 @@ class Project:
 
     ``scan_file`` is the scan's file name without folder; ``scan_sha256`` that of the file's bytes, as in
     :class:`~stair_inspector.model.Scan`; ``params`` holds method, unit, up, region and overrules with the rest.
+    ``rules`` are those that the inspection is held against. ``report`` is what the user gave for the report as plain
+    values, which :func:`stair_inspector.report.project_basis.basis_of` reads.
     """
 
     scan_file: str
@@ -106,6 +114,8 @@ class Project:
     measurements: tuple[Measurement, ...] = ()
     views: tuple[SavedView, ...] = ()
     runs: tuple[KeptRun, ...] = ()
+    rules: ChosenRules = dataclasses.field(default_factory=ChosenRules)
+    report: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _check_name(_spelt(self.scan_file), "scan.file", longest=_LONGEST_FILE_NAME)
@@ -113,12 +123,12 @@ class Project:
             raise ConfigError(f"scan.file: got {self.scan_file[:60]!r}; give the scan's file name without a folder")
         if not isinstance(self.scan_sha256, str) or not _SHA256.fullmatch(self.scan_sha256):
             raise ConfigError(f"scan.sha256: got {str(self.scan_sha256)[:80]!r}; give 64 digits 0-9, a-f")
-        _check_name(self.title, "title", may_be_empty=True)
+        check_title(self.title)
         for field, kind in (("measurements", Measurement), ("views", SavedView), ("runs", KeptRun)):
             entries = tuple(getattr(self, field))
             if not all(isinstance(entry, kind) for entry in entries):
                 raise ConfigError(f"{field}: give values of {kind.__name__} only")
-            check_length(field, entries)
+            check_entries(field, entries)
             object.__setattr__(self, field, entries)
 
 
@@ -159,6 +169,8 @@ def project_bytes(project: Project) -> bytes:
         "measurements": [dataclasses.asdict(entry) for entry in project.measurements],
         "views": [dataclasses.asdict(entry) for entry in project.views],
         "runs": [{"name": run.name, "settings": params_to_dict(run.params)} for run in project.runs],
+        "rules": chosen_to_dict(project.rules),
+        "report": dict(project.report),
     }
     text = json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     # A lone surrogate, as in a file name that is no UTF-8, is written as the escape that JSON has for it.
@@ -171,8 +183,8 @@ def project_bytes(project: Project) -> bytes:
     return data
 
 
-def save_project(path: Path, project: Project) -> None:
-    """Write a project file completely or not at all.
+def save_project(path: Path, project: Project) -> bytes:
+    """Write a project file completely or not at all, and return its bytes.
 
     Raises
     ------
@@ -181,7 +193,9 @@ def save_project(path: Path, project: Project) -> None:
     WriteError
         The file cannot be written; one that existed is untouched.
     """
-    write_atomically(path, project_bytes(project))
+    data = project_bytes(project)
+    write_atomically(path, data)
+    return data
 
 
 def read_project(path: Path) -> Project:
@@ -222,7 +236,8 @@ def parse_project(data: bytes, place: str) -> Project:
     ConfigError
         Too large, not JSON, of another schema, with an unknown or missing key (the nearest known name is given), or
         with a value that is not possible: one sentence that begins with ``place``. Settings that are not named have
-        their defaults, as in a preset: a project from before a setting existed can still be read.
+        their defaults, as in a preset, and so have rules and report: a project from before they existed can still be
+        read.
     """
     try:
         return _from_values(_parse_json(data))
@@ -261,8 +276,7 @@ def _from_values(values: Any) -> Project:
     if not isinstance(values, dict) or values.get("schema") != SCHEMA:
         found = repr(values.get("schema"))[:60] if isinstance(values, dict) else "none"
         raise ConfigError(f"is no project file: the schema is {found}, not {SCHEMA!r}; give another file")
-    keys = ("schema", "software", "title", "scan", "settings", "measurements", "views", "runs")
-    values = _check_table(values, "the project", keys)
+    values = _check_table(values, "the project", _KEYS, _LATER_KEYS)
     scan = _check_table(values["scan"], "scan", ("file", "sha256"))
     return Project(
         scan_file=scan["file"],
@@ -274,6 +288,8 @@ def _from_values(values: Any) -> Project:
         runs=_read_list(
             values, "runs", ("name", "settings"), lambda v, at: KeptRun(v["name"], _to_params(v["settings"], at))
         ),
+        rules=chosen_from_dict(values["rules"]) if "rules" in values else ChosenRules(),
+        report=_to_plain(values.get("report", {})),
     )
 
 
@@ -281,14 +297,36 @@ def _names_of(kind: type) -> tuple[str, ...]:
     return tuple(field.name for field in dataclasses.fields(kind))
 
 
-def check_length(field: str, entries: Sequence[object]) -> None:
-    """Check that a project can hold so many measurements, views or runs.
+def check_title(title: Any) -> None:
+    """Raise unless a title can stand on one line; it may be empty.
 
     Raises
     ------
     ConfigError
-        There are too many.
+        It is too long or holds a control character.
     """
+    _check_name(title, "title", may_be_empty=True)
+
+
+def check_entries(field: str, entries: Sequence[Measurement | SavedView | KeptRun]) -> None:
+    """Check that a project can hold these measurements, views or runs, and a menu can list them.
+
+    Raises
+    ------
+    ConfigError
+        There are too many, two have the same name, or one has a name that is a menu's own word.
+    """
+    _check_length(field, entries)
+    names = Counter(entry.name for entry in entries)
+    reserved = next((name for name in names if name.lower() in RESERVED_NAMES), None)
+    if reserved is not None:
+        raise ConfigError(f"{field}: {reserved!r} is a word of the menu and cannot be a name; choose another")
+    twice = next((name for name, count in names.items() if count > 1), None)
+    if twice is not None:
+        raise ConfigError(f"{field}: the name {twice[:60]!r} is taken; choose another")
+
+
+def _check_length(field: str, entries: Sequence[object]) -> None:
     if len(entries) > _MOST_ENTRIES:
         raise ConfigError(f"{field}: got {len(entries)}; keep at most {_MOST_ENTRIES}, delete some")
 
@@ -299,7 +337,7 @@ def _read_list(
     entries = values[field]
     if not isinstance(entries, list):
         raise ConfigError(f"{field}: got {str(entries)[:60]!r}; give a list")
-    check_length(field, entries)
+    _check_length(field, entries)
     made = []
     for number, entry in enumerate(entries, start=1):
         place = f"{field}, entry {number}"
@@ -310,12 +348,18 @@ def _read_list(
     return tuple(made)
 
 
-def _check_table(values: Any, place: str, keys: Iterable[str]) -> dict[str, Any]:
-    """Return a table that has exactly these keys."""
+def _to_plain(values: Any) -> dict[str, Any]:
+    if not isinstance(values, dict):
+        raise ConfigError(f"report: got {str(values)[:60]!r}; give a table")
+    return values
+
+
+def _check_table(values: Any, place: str, keys: Iterable[str], may_be_missing: Iterable[str] = ()) -> dict[str, Any]:
+    """Return a table that has these keys, of others at most those that may be missing."""
     keys = tuple(keys)
     if not isinstance(values, dict):
         raise ConfigError(f"{place}: got {str(values)[:60]!r}; give a table with {', '.join(keys)}")
-    check_keys(place, values, keys)
+    check_keys(place, values, (*keys, *may_be_missing))
     missing = [key for key in keys if key not in values]
     if missing:
         raise ConfigError(f"{place}: the key {missing[0]!r} is missing; give it, or another file")

@@ -1,5 +1,6 @@
 """The web server: where it listens, whom it lets in, and a session for every page."""
 
+import asyncio
 import contextlib
 import io
 import ipaddress
@@ -8,6 +9,7 @@ import socket
 import threading
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import viser
 import viser._messages
@@ -15,7 +17,7 @@ import viser._messages
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.params import Params
-from stair_inspector.viewer.cameras import FOV_RAD
+from stair_inspector.report.pictures.cameras import FOV_RAD
 from stair_inspector.viewer.library import DEFAULT_UPLOAD_LIMIT_MB, Library
 from stair_inspector.viewer.session import Session
 from stair_inspector.viewer.uploads import limit_uploads
@@ -62,7 +64,7 @@ class App:
         self._library = Library(scans, project_dir, saves_projects=saves_projects, upload_limit_mb=upload_limit_mb)
         self._params = params
         self._palettes = (read_palette("page"), read_palette("page_dark"))
-        self._kept = KeptWishes()
+        self._kept = KeptWishes(self._library.forget_upload)
         self._sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -114,12 +116,29 @@ class App:
 
     def _connect(self, client: viser.ClientHandle) -> None:
         limit_uploads(client, self._library.check_upload)
-        session = Session(client, self._workshop, self._library, self._params, self._palettes, self._kept)
+        session = Session(
+            client,
+            self._workshop,
+            self._library,
+            self._params,
+            self._palettes,
+            self._kept,
+            lambda: self._drop(client),
+        )
         with self._lock:
             self._sessions[client.client_id] = session
         # The page may have gone while its session was being made.
         if client.client_id not in self._server.get_clients():
             self._disconnect(client)
+
+    def _drop(self, client: viser.ClientHandle) -> None:
+        """Close the page of a browser that does not answer; one that is only slow connects again by itself."""
+        self._disconnect(client)
+        # Private to viser, as what is used below.
+        server: Any = self._server._websock_server
+        connection = server._live_connections.get(client.client_id)
+        if connection is not None:
+            asyncio.run_coroutine_threadsafe(connection.close(), server._background_event_loop)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         with self._lock:

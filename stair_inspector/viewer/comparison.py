@@ -1,6 +1,6 @@
 """Two results of one scan side by side: which steps are the same, and by how much their values differ.
 
-Wired by ``tab.comparison.content = comparison_html(compare(kept, shown), "A", "now", unit)``; nothing here is live.
+Wired by ``tab.comparison.content = comparison_html(compare(kept, shown), "run 1", "now", unit)``; nothing here is live.
 """
 
 import math
@@ -13,9 +13,9 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Ints
 from stair_inspector.model import Inspection, Measured, Statistics, Step
 from stair_inspector.params import Params
+from stair_inspector.report.units import M_PER_INCH, NOT_KNOWN, Shown, Unit, number_text, tidy, uncertainty_text
 from stair_inspector.viewer.controls import setting_names, title_of_setting, value_words
-from stair_inspector.viewer.markup import DIM, LINE, table_head, text, tidy
-from stair_inspector.viewer.units import M_PER_INCH, NOT_KNOWN, Shown, Unit, number_text, uncertainty_text
+from stair_inspector.viewer.markup import DIM, LINE, table_head, text
 
 _LEAST_SHARE = 0.1
 """Two steps are the same one when they share at least this part of the smaller one's points."""
@@ -153,7 +153,7 @@ def comparison_html(comparison: Comparison, name_a: str, name_b: str, unit: Unit
     rows = "".join(_step_row(step, unit) for step in comparison.steps)
     return (
         '<div data-testid="comparison" class="si-results" style="font-size:11.5px;line-height:1.3;padding:0 9px 6px">'
-        f'<div style="padding:4px 0"><b>A</b> {text(name_a)} · <b>B</b> {text(name_b)} '
+        f'<div style="padding:4px 0"><b>A:</b> {text(name_a)} · <b>B:</b> {text(name_b)} '
         f'<span style="color:{DIM}">· in each cell A, B and <b>B − A</b>; ! is beyond both uncertainties</span></div>'
         f"{_settings_html(comparison)}{_summary_html(comparison, unit)}"
         '<table data-testid="comparison-table" style="border-collapse:collapse;width:100%;'

@@ -46,7 +46,7 @@ SURVEY_SLIDERS = (
 )
 SLIDERS = MAIN_SLIDERS + SURVEY_SLIDERS
 """Settings that have a slider, in the order of the page."""
-TEXTS = {"overrules.force": "Surfaces", "overrules.climb": "Climb", "overrules.region": "Region"}
+TEXTS = {"overrules.force": "Surfaces", "overrules.climb": "Climb"}
 """Settings that are written as text, with their labels."""
 CHOICES: dict[str, tuple[str, tuple[str, ...]]] = {
     "method": ("Method", get_args(Method)),
@@ -118,7 +118,7 @@ class SettingControls:
         up = self._gui.add_dropdown("Up", options, initial_value=_up_option(self._base.up), hint=help_of("up"))
         self._watch("up", up)
         self._up_vector = self._gui.add_vector3(
-            "Up vector", _up_vector(self._base.up), step=0.01, hint=f"Used when Up is '{OWN_UP}'; any length."
+            "Up vector", _up_vector(self._base.up), step=0.0001, hint=f"Used when Up is '{OWN_UP}'; any length."
         )
         self._up_vector.on_update(from_page(self._on_settings))
 
@@ -179,12 +179,6 @@ class SettingControls:
         """Write a text field and let it count."""
         self._controls[name].value = self._submitted[name] = value
 
-    def clear_overrules(self) -> None:
-        """Empty the text fields."""
-        for name in TEXTS:
-            group, _, field = name.rpartition(".")
-            self.write(name, getattr(GROUPS[group](), field))
-
     def _watch(self, name: str, control: Any) -> None:
         self._controls[name] = control
         control.on_update(from_page(self._on_settings))
@@ -237,6 +231,8 @@ def title_of_setting(name: str) -> str:
         return CHOICES[name][0]
     if name in TEXTS:
         return TEXTS[name]
+    if name == "overrules.region":
+        return "Region"
     try:
         knob = knob_of(name)
     except ConfigError:
@@ -296,5 +292,6 @@ def _up_option(up: str) -> str:
 def _up_vector(up: str) -> tuple[float, float, float]:
     if _up_option(up) != OWN_UP:
         return (0.0, 0.0, 1.0)
-    x, y, z = (float(part) for part in up.split(","))
+    # Without the sign of a zero.
+    x, y, z = (float(part) + 0.0 for part in up.split(","))
     return (x, y, z)

@@ -28,18 +28,20 @@ class Deciding:
         if kind is None and option != TAKE_BACK:
             raise ConfigError(f"mark as: got {str(option)[:40]!r}; give one of {', '.join((*VERDICTS, TAKE_BACK))}")
         reason, controls = self._panel.steps.reason, self._panel.controls
+        # The desk is kept all the while: the place belongs to the scan that is shown.
         with self._desk.lock:
             place_m = self._results.chosen_place()
-        with self._keeper.lock:
-            before = self._editor.work.params.overrules.force
-            controls.overrule(place_m, kind, str(reason.value))
-            if kind is None and controls.read().overrules.force == before:
-                raise ConfigError("mark as: there is no verdict at this very place; undo it, or edit the text below")
-        with self._desk.lock:
+            with self._keeper.lock:
+                before = self._editor.work.params.overrules.force
+                controls.overrule(place_m, kind, str(reason.value))
+                if kind is None and controls.read().overrules.force == before:
+                    raise ConfigError(
+                        "mark as: there is no verdict at this very place; undo it, or edit the text below"
+                    )
             # Its number may be another one's when the result is there.
             self._desk.selected = self._desk.selected_patch = None
             reason.value = ""
-        self._editor.submit()
+            self._editor.submit()
 
     def submit_texts(self) -> None:
         """Let the overrules that are written count."""
@@ -48,5 +50,6 @@ class Deciding:
 
     def clear(self) -> None:
         """Empty the overrules, and the region with them."""
-        params = dataclasses.replace(self._editor.work.params, overrules=OverrulesParams())
-        self._editor.apply(params, "cleared overrules")
+        self._editor.adjust(
+            lambda params: dataclasses.replace(params, overrules=OverrulesParams()), "cleared overrules"
+        )

@@ -1,7 +1,9 @@
 """What the parts of one inspector's page share: the last good result, what is chosen, and how it is shown."""
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Protocol, Unpack
 
 import numpy as np
@@ -12,10 +14,11 @@ from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import Params
-from stair_inspector.viewer.display import Display
+from stair_inspector.report.pictures.display import Display
+from stair_inspector.report.pictures.picture import safe_name
+from stair_inspector.report.units import Unit
 from stair_inspector.viewer.notices import Notices
 from stair_inspector.viewer.scene import Stage
-from stair_inspector.viewer.units import Unit
 from stair_inspector.viewer.work import Changes, Work
 
 
@@ -27,6 +30,11 @@ class Shown:
     scan: Scan
     display: Display
     inspection: Inspection
+
+    @property
+    def stem(self) -> str:
+        """What files about the scan are called; two scans of the same name have the folder in their label."""
+        return safe_name(Path(self.label).with_suffix("").as_posix())
 
 
 @dataclass(slots=True, eq=False)
@@ -58,6 +66,11 @@ class Desk:
     def inspection(self) -> Inspection | None:
         """The last good result's numbers."""
         return self.shown.inspection if self.shown is not None else None
+
+    @property
+    def frame(self) -> tuple[str, str] | None:
+        """Whose frame coordinates are in: the scan by its name in the menu, and the unit that it was read in."""
+        return (self.shown.label, self.shown.scan.unit) if self.shown is not None else None
 
     def result(self, what: str) -> Shown:
         """Return the last good result.
@@ -92,14 +105,20 @@ class Editor(Protocol):
     def work(self) -> Work:
         """The work as it stands."""
 
-    def apply(self, params: Params, words: str) -> None:
-        """Set the controls to other settings and run."""
+    def adjust(self, change: Callable[[Params], Params], words: str = "") -> None:
+        """Change the settings as they stand at that moment, set the controls to them, and run."""
 
     def take_up(self, work: Work, words: str) -> None:
         """Go on with other work, all in one change, and run."""
 
+    def edit(self, words: str, change: Callable[[Work], Changes], merge_key: str = "") -> None:
+        """Change other parts of the work, as it stands at that moment, and show them.
+
+        Changes that follow each other with the same key, as while a text is typed, are undone together.
+        """
+
     def change(self, words: str, **fields: Unpack[Changes]) -> None:
-        """Change other parts of the work, and show them."""
+        """Change other parts of the work, whatever they are now, and show them."""
 
     def submit(self) -> None:
         """Run with what the controls show."""

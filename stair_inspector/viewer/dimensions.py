@@ -7,7 +7,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Measured, Step
-from stair_inspector.viewer.units import Unit, measured_text
+from stair_inspector.report.units import Unit, measured_text
 
 Anchor = Literal["bottom-left", "bottom-right", "top-left", "top-right"]
 """The corner of a label that lies at its place: four labels with four anchors stay apart at every distance."""

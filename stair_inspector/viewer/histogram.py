@@ -4,7 +4,8 @@ import numpy as np
 
 from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.model import HeightProfile, Inspection, Level
-from stair_inspector.viewer.markup import round_ticks, text
+from stair_inspector.report.units import round_ticks
+from stair_inspector.viewer.markup import text
 from stair_inspector.viewer.reach_drag import drag_attributes, reach_mark
 
 _WIDTH = 400

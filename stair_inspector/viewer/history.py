@@ -92,6 +92,12 @@ class History(Generic[T]):
         self._changes = (kept if is_back else [*kept, Change(value, label, merge_key)])[-self._limit - 1 :]
         self._at = len(self._changes) - 1
 
+    def copy(self) -> "History[T]":
+        """Return the same line of values, which goes on by itself from here."""
+        other = History(self._changes[0].value, self._limit)
+        other._changes, other._at = list(self._changes), self._at
+        return other
+
     def settle(self) -> None:
         """End a drag: the next change is undone by itself, even with the same key."""
         here = self._changes[self._at]

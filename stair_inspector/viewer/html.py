@@ -4,31 +4,27 @@ Every text that could come from a file is escaped. Colours of the theme are take
 and dark both read well.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Literal
 
 from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.fits import PlaneFit
-from stair_inspector.model import Inspection, Step
+from stair_inspector.model import Inspection, Step, Up
 from stair_inspector.params import Params
+from stair_inspector.report.document import Tone
+from stair_inspector.report.pictures.display import REJECTED_COLOR
+from stair_inspector.report.pictures.legends import CENTRE, line_entries
+from stair_inspector.report.units import Unit, tidy
 from stair_inspector.viewer import survey_html
-from stair_inspector.viewer.display import REJECTED_COLOR
-from stair_inspector.viewer.markup import (
-    DIM,
-    LINE,
-    chip,
-    mm,
-    row_start,
-    set_script,
-    table_head,
-    text,
-    tidy,
-)
-from stair_inspector.viewer.units import Unit
+from stair_inspector.viewer.markup import DIM, LINE, chip, mm, row_start, set_script, table_head, text
+from stair_inspector.viewer.remarks import n_to_look_at, needs_look, on_page
+from stair_inspector.viewer.step_marks import MARKED, TONE_RGB, StepMark, mark_html
 
 Columns = Literal["survey", "paper"]
 
 COLUMNS: tuple[Columns, ...] = ("survey", "paper")
+_NARROW_TABS = "<style>[data-dock-tab][role=tab]{padding:0 .58em!important}</style>"
+"""So that all tabs of the panel stand on one line."""
 _PAPER_COLUMNS = (
     ("#", "", "Step, from bottom to top"),
     ("h", "mm", "Height from this centroid to the next: (c_k+1 - c_k) · u"),
@@ -56,6 +52,7 @@ def table_html(
     columns: Columns = "paper",
     unit: Unit = "mm",
     folded: frozenset[int] = frozenset(),
+    marks: Mapping[int, StepMark] | None = None,
 ) -> str:
     """Return the side table: a row for each step; the paper's columns in millimetres and degrees.
 
@@ -75,15 +72,18 @@ def table_html(
         Of the survey's lengths.
     folded : frozenset of int
         Flights whose steps are not listed.
+    marks : mapping, optional
+        Of the steps that are outside a limit.
     """
+    marks = marks or {}
     names: tuple[tuple[str, str, str], ...] = survey_html.COLUMNS if columns == "survey" else _PAPER_COLUMNS
     if columns == "survey" and unit != "mm":
         names = tuple((name, unit if of == "mm" else of, hint) for name, of, hint in names)
     rows = ""
     if inspection is not None and columns == "survey":
-        rows = survey_html.survey_rows(inspection, palette, selected, pick_uuid, unit, folded)
+        rows = survey_html.survey_rows(inspection, palette, selected, pick_uuid, unit, folded, marks)
     elif inspection is not None:
-        rows = _paper_rows(inspection, palette, selected, pick_uuid)
+        rows = _paper_rows(inspection, palette, selected, pick_uuid, marks)
     if inspection is not None and not inspection.steps:
         rows += f'<tr><td colspan="{len(names)}" style="padding:10px 6px;color:{DIM}">No steps.</td></tr>'
     caption = ""
@@ -102,8 +102,11 @@ def table_html(
     )
 
 
-def legend_html(palette: Palette, *, with_steps: bool = True) -> str:
-    """Return the legend of the scene's lines and, with ``with_steps``, of its points coloured by step."""
+def legend_html(palette: Palette, *, with_steps: bool = True, tones: Iterable[Tone] = ()) -> str:
+    """Return the legend of the scene's lines and, with ``with_steps``, of its points coloured by step.
+
+    ``tones`` are those of the marks of steps that are outside a limit.
+    """
     steps = "".join(chip(color, 10) for color in palette.steps)
     points = [
         f"{chip(palette.floor)} floor",
@@ -113,16 +116,13 @@ def legend_html(palette: Palette, *, with_steps: bool = True) -> str:
     ]
     entries = [
         *(points if with_steps else ()),
-        f"{chip(palette.front_edge, 16, 4)} front edge, nosing",
-        f"{chip(palette.back_edge, 16, 4)} back edge",
-        f"{chip(palette.side_edge, 16, 4)} side edges",
-        f"{chip(palette.measure, 16, 4)} measuring lines",
-        f"{chip(palette.centre, 8)} centre",
+        *(f"{chip(color, *((8,) if words == CENTRE else (16, 4)))} {words}" for color, words in line_entries(palette)),
+        *(f"{chip(TONE_RGB[tone], 16, 4)} {text(words)}" for tone, words in MARKED.items() if tone in tones),
     ]
     items = "".join(f'<span style="white-space:nowrap">{entry}</span>' for entry in entries)
     return (
-        f'<div data-testid="legend" style="display:flex;flex-wrap:wrap;gap:3px 12px;font-size:11px;color:{DIM};'
-        f'padding:4px 9px 10px">{items}</div>'
+        f'<div data-testid="legend" style="display:flex;flex-wrap:wrap;gap:2px 12px;font-size:11px;padding:4px 9px">'
+        f"{items}</div>"
     )
 
 
@@ -155,7 +155,7 @@ def state_html(
         Identity of the control that stops it.
     """
     if error is not None:
-        badge = _badge("✕", "#e03131", "no result for these settings")
+        badge = _badge("✕", "#e03131", "no result" if inspection is None else "no result for these settings")
     elif busy is not None:
         badge = _badge("◌", "#e8890c", busy)
     else:
@@ -168,7 +168,9 @@ def state_html(
         f"</span>{cancel}</div>{_progress_html(percent)}"
     ]
     if error is not None:
-        lines.append(f'<div data-testid="error" role="alert" style="color:#e03131;padding:3px 0">{text(error)}</div>')
+        lines.append(
+            f'<div data-testid="error" role="alert" style="color:#e03131;padding:3px 0">{text(on_page(error))}</div>'
+        )
     if is_stale and inspection is not None:
         if error is not None:
             words = "Shown dimmed: the last good result, with the settings named below it."
@@ -185,7 +187,9 @@ def details_html(inspection: Inspection | None) -> str:
         return '<div data-testid="details"></div>'
     lines = []
     notes = "".join(
-        f'<li style="padding:1px 0" title="{text(note.code)}">{text(note.message)}</li>' for note in inspection.notes
+        f'<li style="padding:1px 0{";list-style-type:&quot;▲ &quot;" if needs_look(note) else ""}" '
+        f'title="{text(note.code)}">{text(on_page(note.message))}</li>'
+        for note in inspection.notes
     )
     if notes:
         lines.append(f'<ul data-testid="notes" style="margin:0 0 4px;padding-left:16px">{notes}</ul>')
@@ -198,6 +202,16 @@ def details_html(inspection: Inspection | None) -> str:
     )
 
 
+def up_html(up: Up) -> str:
+    """Return the up direction that a result was measured with, and where it came from."""
+    vector = ", ".join(f"{tidy(component, 4):.4f}" for component in up.vector)
+    source = {"given": "as set", "floor": "from the floor", "treads": "from the treads"}[up.source]
+    return (
+        f'<div data-testid="up-used" style="font-size:12px;color:{DIM};padding:0 9px 6px">'
+        f"Up in use: ({vector}), {source}.</div>"
+    )
+
+
 def header_html(name: str, n_used: int | None, n_shown: int | None) -> str:
     """Return the scan's name and size."""
     size = ""
@@ -206,7 +220,7 @@ def header_html(name: str, n_used: int | None, n_shown: int | None) -> str:
     return (
         '<div data-testid="scan" style="padding:2px 9px;overflow-wrap:anywhere">'
         f'<b style="font-size:14px">{text(name)}</b>'
-        f'<span style="font-size:12px;color:{DIM}">{" · " if size else ""}{size}</span></div>'
+        f'<span style="font-size:12px;color:{DIM}">{" · " if size else ""}{size}</span>{_NARROW_TABS}</div>'
     )
 
 
@@ -244,13 +258,28 @@ def _headline(inspection: Inspection | None, *, with_more: bool) -> str:
     if inspection is None:
         return ""
     n = len(inspection.steps)
-    total_ms = sum(inspection.timings_s.values()) * 1000.0
-    notes = f" · {len(inspection.notes)} notes below" if len(inspection.notes) > 1 else ""
     n_flights = len(inspection.flights)
     flights = f" in {n_flights} flight{'' if n_flights == 1 else 's'}" if n_flights else ""
     steps = f"{n} step{'' if n == 1 else 's'}{flights}"
-    more = f" · {total_ms:,.0f} ms{notes}" if with_more else ""
-    return f'<span data-testid="n-steps">· {steps}</span>{more}'
+    return f'<span data-testid="n-steps">· {steps}</span>{_notes_link(inspection) if with_more else ""}'
+
+
+def _notes_link(inspection: Inspection) -> str:
+    """Return how many notes there are, to be pressed to read them; those that may mean a wrong result stand out."""
+    n_notes, n_look = len(inspection.notes), n_to_look_at(inspection.notes)
+    if not n_notes:
+        return ""
+    count = n_look or n_notes
+    words = f"{count} note{'' if count == 1 else 's'}" + (" to look at" if n_look else "")
+    style = (
+        "color:var(--mantine-color-text);background:rgba(232,137,12,.28);font-weight:600" if n_look else "color:inherit"
+    )
+    return (
+        ' · <button type="button" data-testid="notes-link" title="Go to the notes, below" '
+        """onclick="document.querySelector('[data-testid=notes]').scrollIntoView({block:'center'})" """
+        f'style="border:0;background:none;cursor:pointer;font:inherit;padding:0 4px;border-radius:3px;{style}">'
+        f"{'▲ ' if n_look else ''}{words}</button>"
+    )
 
 
 def used_text(inspection: Inspection) -> str:
@@ -313,16 +342,23 @@ def _floor_row(floor: PlaneFit, h_m: float | None, palette: Palette) -> str:
     )
 
 
-def _paper_rows(inspection: Inspection, palette: Palette, selected: int | None, pick_uuid: str | None) -> str:
+def _paper_rows(
+    inspection: Inspection,
+    palette: Palette,
+    selected: int | None,
+    pick_uuid: str | None,
+    marks: Mapping[int, StepMark],
+) -> str:
     rows = []
     if inspection.floor is not None:
         rows.append(_floor_row(inspection.floor, inspection.floor_h_m, palette))
     for step in inspection.steps:
-        rows.append(_step_row(step, palette, step.step_id == selected, pick_uuid))
+        mark = marks.get(step.step_id)
+        rows.append(_step_row(step, palette, step.step_id == selected, pick_uuid, mark))
     return "".join(rows)
 
 
-def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str | None) -> str:
+def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str | None, mark: StepMark | None) -> str:
     paper = step.paper
     cells = [
         mm(paper.h_m),
@@ -337,5 +373,5 @@ def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str | 
     return (
         f"{row_start(pick_uuid, step.step_id, '', is_selected=is_selected)}"
         '<td style="padding:2px 6px;white-space:nowrap">'
-        f"{chip(palette.of_step(step.step_id))} {step.step_id}</td>{body}</tr>"
+        f"{chip(palette.of_step(step.step_id))} {step.step_id}{mark_html(mark)}</td>{body}</tr>"
     )

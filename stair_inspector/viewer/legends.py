@@ -1,37 +1,7 @@
 """What colours mean, as data: drawn on the page as HTML and burned into pictures."""
 
-from dataclasses import dataclass
-
-import numpy as np
-
-from stair_inspector.files.palettes import Rgb
-from stair_inspector.geometry.arrays import Colors, Floats
-from stair_inspector.viewer.markup import DIM, LINE, chip, text
-
-
-@dataclass(frozen=True, slots=True)
-class Ramp:
-    """A continuous scale: ``colors`` evenly from low to high, ``ticks`` the place (0 to 1) and the words of each."""
-
-    colors: tuple[Rgb, ...]
-    ticks: tuple[tuple[float, str], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Legend:
-    """A title with its unit, single colours with their words, and perhaps a continuous scale."""
-
-    title: str
-    entries: tuple[tuple[Rgb, str], ...] = ()
-    ramp: Ramp | None = None
-
-
-def colors_on(ramp: tuple[Rgb, ...], shares: Floats) -> Colors:
-    """Return the colours (n, 3) at places from 0 to 1 of a scale; what lies beyond an end takes the end's colour."""
-    table = np.array(ramp, dtype=np.float64)
-    places = np.linspace(0.0, 1.0, len(table))
-    mixed = np.column_stack([np.interp(shares, places, table[:, channel]) for channel in range(3)])
-    return np.rint(mixed).astype(np.uint8)
+from stair_inspector.report.pictures.legends import Legend, Ramp
+from stair_inspector.viewer.markup import LINE, chip, text
 
 
 def legend_html(legend: Legend) -> str:
@@ -42,7 +12,7 @@ def legend_html(legend: Legend) -> str:
     chips = f'<div style="display:flex;flex-wrap:wrap;gap:3px 12px;margin-top:3px">{chips}</div>' if chips else ""
     bar = _bar_html(legend.ramp) if legend.ramp is not None else ""
     return (
-        f'<div data-testid="color-legend" style="font-size:11px;color:{DIM};padding:4px 12px 8px 9px">'
+        f'<div data-testid="color-legend" style="font-size:11px;padding:4px 12px 2px 9px">'
         f"<div>{text(legend.title)}</div>{bar}{chips}</div>"
     )
 

@@ -1,11 +1,14 @@
 """How one inspector looks at the scan: modes, views and the orthographic look, colours, shading and density."""
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Colors, Floats
 from stair_inspector.model import Inspection, Scan
-from stair_inspector.viewer.cameras import (
+from stair_inspector.report.pictures.cameras import (
     FOV_RAD,
     ORTHO_FOV_RAD,
     USUAL_PITCH_DEG,
@@ -17,17 +20,32 @@ from stair_inspector.viewer.cameras import (
     step_frame,
     with_fov,
 )
-from stair_inspector.viewer.coloring import ColorMode, color_points, crease_of, read_color_mode, shade
+from stair_inspector.report.pictures.coloring import ColorMode, color_points, crease_of, read_color_mode, shade
+from stair_inspector.report.pictures.display import MAX_POINTS, Display, choose_display
+from stair_inspector.report.pictures.frames import step_of
+from stair_inspector.report.pictures.legends import Legend
+from stair_inspector.report.pictures.segmentation import Drawing, draw, is_left_hidden, view_from_local
 from stair_inspector.viewer.desk import Desk, Shown
-from stair_inspector.viewer.display import MAX_POINTS, Display, choose_display
-from stair_inspector.viewer.legends import Legend
-from stair_inspector.viewer.scene import MODES, Drawing, draw, is_left_hidden, view_from_local
-from stair_inspector.viewer.survey_html import step_of
+from stair_inspector.viewer.framing import beside, free_part, raised
+from stair_inspector.viewer.scene import MODES
 
 SMALLEST_POINT_MM, LARGEST_POINT_MM = 0.1, 100.0
 _LARGEST_DISC = 1.0 / 150.0
 """Largest diameter of a drawn point, as a share of the scan's diagonal: a wrong unit must not fill the screen."""
 _FEWEST_POINTS = 1000
+_USUAL_ASPECT = 1.5
+_AROUND_STAIR_M = 1.0
+"""Room around the stair in a standard view: floor in front of it and what stands beside it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Framed:
+    """A view that was chosen: of the whole scan or of the stair, in a picture of that shape, from that place (3,)."""
+
+    view: View | int
+    is_whole: bool
+    aspect: float
+    position: Floats
 
 
 class Looking:
@@ -38,7 +56,9 @@ class Looking:
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
-        self._framed: tuple[View | int, float, Floats] | None = None
+        self._framed: _Framed | None = None
+        # How the camera stood before the clouds stood side by side, and where it was put then.
+        self._apart: tuple[Pose, Floats] | None = None
         self._is_ortho = False
         self.color_mode: ColorMode = "Step"
         self.is_shaded = False
@@ -121,12 +141,14 @@ class Looking:
     # Modes and views.
 
     def set_mode(self, option: str) -> None:
-        """Show the raw cloud, the steps, or both side by side."""
+        """Show the raw cloud, the steps, or both side by side; the camera goes on looking at the same spot."""
         known = next((known for known in MODES if known == option), None)
         if known is None:
             raise ConfigError(f"view: got {str(option)[:40]!r}; give one of {', '.join(MODES)}")
-        self._desk.stage.set_mode(known)
-        self.look("Home")
+        stage = self._desk.stage
+        before_m = stage.shift_m()
+        stage.set_mode(known)
+        self._follow(stage.shift_m() - before_m)
 
     def set_view(self, option: str) -> None:
         """Stand back from a side of the staircase."""
@@ -151,7 +173,8 @@ class Looking:
         """Look as if from far away, so that parallels stay parallel, or as the eye sees."""
         if bool(is_ortho) == self._is_ortho:
             return
-        before = self.fov_rad
+        # Not that of the look: a section or a kept view may have set another one.
+        before = float(self._desk.client.camera.fov)
         self._is_ortho = bool(is_ortho)
         self.go_to(with_fov(self.pose(), before, self.fov_rad), self.fov_rad)
 
@@ -165,23 +188,34 @@ class Looking:
         """The upright angle of view."""
         return ORTHO_FOV_RAD if self._is_ortho else FOV_RAD
 
-    def look(self, view: View | int) -> None:
-        """Frame a standard view, or the step of a number."""
+    @property
+    def aspect(self) -> float:
+        """Width over height of the scene on the page; of a usual one where it has no height, as in a folded window."""
+        camera = self._desk.client.camera
+        width, height = camera.image_width, camera.image_height
+        return width / height if width > 0 and height > 0 else _USUAL_ASPECT
+
+    def look(self, view: View | int, *, is_whole: bool = False) -> None:
+        """Frame a standard view of the stair or of the whole scan, or the step of a number, beside what covers it."""
         shown = self._desk.shown
         if shown is None:
             return
-        aspect = self._desk.client.camera.aspect
-        pose = self.pose_of(shown, view, aspect)
+        camera = self._desk.client.camera
+        free = free_part(camera.image_width, camera.image_height, self.fov_rad, with_labels=isinstance(view, int))
+        pose = self.pose_of(shown, view, free.aspect, fov_rad=free.fov_rad, is_whole=is_whole)
+        pose = raised(pose, free.raised * math.tan(self.fov_rad / 2.0))
         self.go_to(pose, self.fov_rad)
-        self._framed = (view, aspect, pose.position)
+        self._framed = _Framed(view, is_whole, self.aspect, pose.position)
 
-    def pose_of(self, shown: Shown, view: View | int, aspect: float) -> Pose:
-        """Return the camera of a view, in a picture of that shape."""
+    def pose_of(
+        self, shown: Shown, view: View | int, aspect: float, *, fov_rad: float | None = None, is_whole: bool = False
+    ) -> Pose:
+        """Return the camera of a view, in a picture of that shape, perhaps with an angle of view of its own."""
         stage, inspection = self._desk.stage, shown.inspection
         # The view stays where it was turned for this scan; its axes may since have been found elsewhere.
         turn = stage.rotation @ view_from_local(inspection).T
         step = step_of(inspection, view) if isinstance(view, int) else None
-        extent = stage.visible_extent()
+        extent = stage.visible_extent() if is_whole else self._stair_extent(inspection)
         standard: View = "Home"
         if step is not None:
             climb = view_from_local(inspection)[1]
@@ -194,7 +228,7 @@ class Looking:
             extent,
             aspect,
             turn,
-            self.fov_rad,
+            fov_rad or self.fov_rad,
             is_from_right=is_left_hidden(inspection, shown.display),
             pitch_deg=_pitch_of(inspection),
         )
@@ -222,12 +256,46 @@ class Looking:
 
         A page tells the shape of its whole window before the panel has taken its place at the side.
         """
-        camera = self._desk.client.camera
-        if self._framed is None:
+        framed = self._framed
+        if framed is not None and abs(self.aspect - framed.aspect) > 0.01 and self._stands_at(framed.position):
+            self.look(framed.view, is_whole=framed.is_whole)
+
+    def _stands_at(self, position: Floats) -> bool:
+        return np.allclose(self._desk.client.camera.position, position, atol=1e-3)
+
+    def _follow(self, moved_m: float) -> None:
+        """Look at the same spot after the steps have moved aside, or back, by so many metres."""
+        if moved_m == 0.0:
             return
-        view, aspect, position = self._framed
-        if abs(camera.aspect - aspect) > 0.01 and np.allclose(camera.position, position, atol=1e-3):
-            self.look(view)
+        apart, self._apart = self._apart, None
+        framed = self._framed
+        if framed is not None and self._stands_at(framed.position):
+            self.look(framed.view, is_whole=framed.is_whole)
+            return
+        before, fov_rad = self.pose(), float(self._desk.client.camera.fov)
+        if moved_m < 0.0 and apart is not None and self._stands_at(apart[1]):
+            self.go_to(apart[0], fov_rad)
+            return
+        pose = beside(before, moved_m, self.aspect, fov_rad)
+        self.go_to(pose, fov_rad)
+        if moved_m > 0.0:
+            self._apart = (before, pose.position)
+
+    def _stair_extent(self, inspection: Inspection) -> Floats:
+        """Return the corners (n, 3) of a box around the stair with some of what is around it, as the mode shows it.
+
+        A scan may reach much farther than its stair, which would be a speck in a view of everything.
+        """
+        stage = self._desk.stage
+        whole = stage.visible_extent()
+        if not inspection.steps:
+            return whole
+        corners = np.concatenate([step.corners for step in inspection.steps]) @ stage.rotation.T
+        box = np.array([corners.min(axis=0) - _AROUND_STAIR_M, corners.max(axis=0) + _AROUND_STAIR_M])
+        box = np.clip(box, stage.extent.min(axis=0), stage.extent.max(axis=0))
+        extent = np.array([[x, y, z] for x in box[:, 0] for y in box[:, 1] for z in box[:, 2]])
+        shift_m = stage.shift_m()
+        return extent if shift_m == 0.0 else np.vstack([extent, extent + np.array([shift_m, 0.0, 0.0])])
 
 
 def _pitch_of(inspection: Inspection) -> float:

@@ -2,7 +2,6 @@
 
 import html
 import json
-import math
 
 from stair_inspector.files.palettes import Rgb
 
@@ -11,8 +10,8 @@ LINE = "var(--mantine-color-default-border)"
 CHOSEN = "rgba(0, 214, 230, 0.22)"
 _LEFT = "text-align:left;padding:3px 4px 3px 8px"
 _RIGHT = "text-align:right;padding:3px 4px"
-SURFACE = "surface"
-"""Word before a surface's number, where a step has its number alone."""
+_NOTHING = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7"
+"""A clear pixel."""
 FLIGHT = "flight"
 """Word before a flight's number."""
 
@@ -25,22 +24,6 @@ def text(value: object) -> str:
 def mm(value_m: float | None, digits: int = 1) -> str:
     """Return a length in millimetres, or a dash for what is not known."""
     return "–" if value_m is None else f"{value_m * 1000.0:.{digits}f}"
-
-
-def tidy(value: float, digits: int) -> float:
-    """Return the value rounded, and zero without a sign."""
-    return round(float(value), digits) + 0.0
-
-
-def round_ticks(low: float, span: float, n: float = 6.0) -> list[tuple[int, float]]:
-    """Return about ``n`` round numbers within a range that has a length, each with its number of decimals."""
-    wanted = span / n
-    power = 10.0 ** math.floor(math.log10(wanted))
-    step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted)
-    digits = max(0, -math.floor(math.log10(step)))
-    first = math.ceil(low / step)
-    last = math.ceil((low + span) / step)
-    return [(digits, tidy(k * step, digits)) for k in range(first, last)]
 
 
 def chip(color: Rgb, width: int = 11, height: int = 11) -> str:
@@ -92,25 +75,36 @@ def row_start(pick_uuid: str | None, number: int, word: str, *, is_selected: boo
     )
 
 
-def set_script(control_uuid: str, value: str | bool) -> str:
-    """Return the script of a button that sets a control of the page to a value, as if done there."""
+def script_html(script: str) -> str:
+    """Return what runs a script once as soon as it is on the page; ``this`` is a picture that nobody sees.
+
+    A page runs no script that is put into it later, but tells a picture that it has been loaded.
+    """
+    return f'<img alt="" src="{_NOTHING}" style="display:none" onload="{text(script)}">'
+
+
+def write_script(control_uuid: str, expression: str) -> str:
+    """Return the script that writes a value, an expression of the script's language, into a control of the page.
+
+    viser has no clickable table and no drawing that can be dragged over. This uses the hook that its own tests use,
+    hence the exact version in ``pyproject.toml`` and browser tests of it.
+    """
     return (
         "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',uuid:"
-        f"{json.dumps(control_uuid)},updates:{{value:{json.dumps(value)}}}}})"
+        f"{json.dumps(control_uuid)},updates:{{value:{expression}}}}})"
     )
+
+
+def set_script(control_uuid: str, value: str | bool) -> str:
+    """Return the script of a button that sets a control of the page to a value, as if done there."""
+    # A JSON value is a script's value too.
+    return write_script(control_uuid, json.dumps(value))
 
 
 def pick_script(pick_uuid: str, number: int, word: str = "") -> str:
     """Return the script of a row: it writes the step or surface into a hidden control, as if typed there.
 
-    viser has no clickable table. This uses the hook that its own tests use, hence the exact version in
-    ``pyproject.toml`` and a browser test of it; choosing by the menu or in the scene works without. The time makes a
-    second click on the same row a new value.
+    Choosing by the menu or in the scene works without. The time makes a second click on the same row a new value.
     """
     name = f"{word} {int(number)}".strip()
-    # A JSON string is a script string too.
-    return (
-        "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',uuid:"
-        + json.dumps(pick_uuid)
-        + f",updates:{{value:'{name}:'+Date.now()}}}})"
-    )
+    return write_script(pick_uuid, f"'{name}:'+Date.now()")

@@ -15,8 +15,9 @@ import numpy as np
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.projects import Measurement, Point
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.viewer.markup import DIM, LINE, pick_script, text, tidy
-from stair_inspector.viewer.units import NOT_KNOWN, Unit, length_text
+from stair_inspector.report.units import NOT_KNOWN, Unit, length_text, tidy
+from stair_inspector.viewer.dimensions import Anchor
+from stair_inspector.viewer.markup import DIM, LINE, pick_script, text
 
 RulerMode = Literal["Off", "Point", "Distance"]
 Order = Literal["delete", "show"]
@@ -40,13 +41,13 @@ class MeasureDrawing:
     """Measurements as plain data, local metres.
 
     ``lines`` (k, 2, 3) the distances, ``legs`` (l, 2, 3) their level and upright parts, ``points`` (p, 3) what was
-    picked, ``labels`` node name, words and place (3,) of each.
+    picked, ``labels`` node name, words, place (3,) and anchor of each.
     """
 
     lines: Floats
     legs: Floats
     points: Floats
-    labels: tuple[tuple[str, str, Floats], ...]
+    labels: tuple[tuple[str, str, Floats, Anchor], ...]
 
 
 @dataclass
@@ -78,7 +79,7 @@ class Ruler:
     def click(self, place_m: Point, known: tuple[Measurement, ...]) -> Measurement | None:
         """Take a picked point, scan's frame; return the measurement that is now complete, under a name of its own."""
         if self.mode == "Point":
-            return Measurement(_free_name("Point", known), (place_m,))
+            return Measurement(free_name("Point", _names(known)), (place_m,))
         if self.mode == "Off":
             return None
         if self.waiting is None:
@@ -88,7 +89,7 @@ class Ruler:
         if self.waiting == place_m:
             return None
         first, self.waiting = self.waiting, None
-        return Measurement(_free_name("Distance", known), (first, place_m))
+        return Measurement(free_name("Distance", _names(known)), (first, place_m))
 
 
 def parts_of(measurement: Measurement, up: Floats) -> Parts | None:
@@ -139,7 +140,7 @@ def without(measurements: tuple[Measurement, ...], index: int) -> tuple[Measurem
 
 
 def read_order(message: object) -> tuple[Order, int]:
-    """Return what a row of the list asks for, and the index of its measurement.
+    """Return what a row of a list asks for, and the index of what it is about, from 0.
 
     Raises
     ------
@@ -149,7 +150,7 @@ def read_order(message: object) -> tuple[Order, int]:
     word, _, number = str(message).partition(":")[0].partition(" ")
     order = next((order for order in ORDERS if order == word), None)
     if order is None or not number.isdecimal() or len(number) > 6:
-        raise ConfigError(f"measurements: got {str(message)[:40]!r}; choose a row of the list")
+        raise ConfigError(f"list: got {str(message)[:40]!r}; choose one of its rows")
     return order, int(number) - 1
 
 
@@ -159,8 +160,11 @@ def drawing_of(
     origin_m: tuple[float, float, float],
     up: Floats,
     unit: Unit,
+    detailed: int | None = None,
 ) -> MeasureDrawing:
     """Return what is drawn of measurements.
+
+    Only one of them has all of its values beside it: the labels of many would lie on each other, and the list has them.
 
     Parameters
     ----------
@@ -174,29 +178,37 @@ def drawing_of(
         Upwards, unit vector.
     unit : {"mm", "in"}
         Of the labels.
+    detailed : int, optional
+        Index of the measurement that has its parts or coordinates beside it; the last one without.
     """
+    if detailed is None or detailed >= len(measurements):
+        detailed = len(measurements) - 1
     origin = np.array(origin_m)
-    lines, legs, points, labels = [], [], [], []
+    lines, legs, points = [], [], []
+    labels: list[tuple[str, str, Floats, Anchor]] = []
     for number, measurement in enumerate(measurements, start=1):
         places = np.array(measurement.points_m) - origin
         points += list(places)
         parts = parts_of(measurement, up)
         if parts is None:
-            labels.append((str(number), f"{measurement.name}: {words_of(measurement, up, unit)}", places[0]))
+            told = f": {words_of(measurement, up, unit)}" if number - 1 == detailed else ""
+            labels.append((str(number), f"{measurement.name}{told}", places[0], "bottom-left"))
             continue
         low, high = places if parts.vertical_m >= 0.0 else places[::-1]
         corner = low + abs(parts.vertical_m) * up
         lines.append((low, high))
         if min(abs(parts.vertical_m), parts.horizontal_m) > _LEG_SHORTEST_M:
             legs += [(low, corner), (corner, high)]
-            # On a leg that is as good as the distance itself its own label would only cover the other's.
-            labels.append((f"{number}v", f"↕ {length_text(abs(parts.vertical_m), unit)}", (low + corner) / 2.0))
-            labels.append((f"{number}h", f"↔ {length_text(parts.horizontal_m, unit)}", (corner + high) / 2.0))
+        # On a leg that is as good as the distance itself its own label would only cover the other's.
+        if number - 1 == detailed and min(abs(parts.vertical_m), parts.horizontal_m) > _LEG_SHORTEST_M:
+            vertical, horizontal = (length_text(value, unit) for value in (parts.vertical_m, parts.horizontal_m))
+            labels.append((f"{number}v", f"↕ {vertical}", (low + corner) / 2.0, "bottom-right"))
+            labels.append((f"{number}h", f"↔ {horizontal}", (corner + high) / 2.0, "bottom-left"))
         told = f"{measurement.name}: {length_text(parts.distance_m, unit)}"
-        labels.append((str(number), told, (low + high) / 2.0))
+        labels.append((str(number), told, (low + high) / 2.0, "top-left"))
     if waiting is not None:
         points.append(np.array(waiting) - origin)
-        labels.append(("waiting", "first point", points[-1]))
+        labels.append(("waiting", "first point", points[-1], "bottom-left"))
     return MeasureDrawing(
         lines=np.array(lines, dtype=np.float64).reshape(-1, 2, 3),
         legs=np.array(legs, dtype=np.float64).reshape(-1, 2, 3),
@@ -244,7 +256,7 @@ def measurements_html(
                 f'<td style="{cells}">{length_text(value, unit)}</td>'
                 for value in (parts.distance_m, parts.horizontal_m, parts.vertical_m)
             )
-        buttons = _buttons(order_uuid, number, entry.name)
+        buttons = order_buttons(order_uuid, number, entry.name)
         rows.append(
             f'<tr data-testid="measurement-row" data-measurement="{number}" style="border-bottom:1px solid {LINE}">'
             f'<td style="padding:2px 4px;overflow-wrap:anywhere">{text(entry.name)}</td>{values}'
@@ -257,7 +269,8 @@ def measurements_html(
     )
 
 
-def _buttons(order_uuid: str | None, number: int, name: str) -> str:
+def order_buttons(order_uuid: str | None, number: int, name: str) -> str:
+    """Return the buttons of a list's row that show and delete what is named; see :func:`read_order`."""
     if order_uuid is None:
         return ""
     signs: tuple[tuple[Order, str, str], ...] = (("show", "◎", "look at"), ("delete", "✕", "delete"))
@@ -269,9 +282,13 @@ def _buttons(order_uuid: str | None, number: int, name: str) -> str:
     )
 
 
-def _free_name(word: str, known: tuple[Measurement, ...]) -> str:
-    taken = {entry.name for entry in known}
+def free_name(word: str, taken: set[str]) -> str:
+    """Return the word with the first number that makes a name of its own: ``Distance 2``."""
     return next(f"{word} {k}" for k in range(1, len(taken) + 2) if f"{word} {k}" not in taken)
+
+
+def _names(known: tuple[Measurement, ...]) -> set[str]:
+    return {entry.name for entry in known}
 
 
 def _checked(measurements: tuple[Measurement, ...], index: int) -> int:

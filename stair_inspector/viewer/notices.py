@@ -2,7 +2,9 @@
 
 import contextlib
 import logging
+import math
 import threading
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -14,6 +16,7 @@ logger = logging.getLogger(__name__)
 
 _SHOWN_S = 12.0
 _PATIENCE_S = 0.5
+_REPEATED_S = 1.0
 
 
 class Notices:
@@ -21,11 +24,15 @@ class Notices:
 
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
+        self._last: tuple[str, str, float] = ("", "", -math.inf)
         self.is_closed = False
 
     def tell(self, title: str, words: str, *, is_failure: bool = False) -> None:
-        """Show a notification; nothing once the page has gone."""
-        if not self.is_closed:
+        """Show a notification; nothing once the page has gone, and nothing twice while a key is held."""
+        last_title, last_words, told_at = self._last
+        is_repeated = (last_title, last_words) == (title, words) and time.monotonic() - told_at < _REPEATED_S
+        self._last = (title, words, time.monotonic())
+        if not (self.is_closed or is_repeated):
             self._client.add_notification(
                 title, " ".join(words.split()), color="red" if is_failure else None, auto_close_seconds=_SHOWN_S
             )

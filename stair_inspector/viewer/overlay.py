@@ -9,22 +9,24 @@ import json
 from dataclasses import dataclass
 from typing import Literal
 
-from stair_inspector.viewer.markup import LINE, set_script, text
+from stair_inspector.viewer.markup import LINE, script_html, set_script, text
 
-_NOTHING = "data:image/gif;base64,R0lGODlhAQABAIAAAAAAAP///yH5BAEAAAAALAAAAAABAAEAAAIBRAA7"
-"""A clear pixel: a browser tells when a picture has been loaded, which is when the element around it is there."""
 _GAP = 10
 """From the edges of the scene, pixels."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """A button of the toolbar: its words, what it explains, and the control and value that it writes."""
+    """A button of the toolbar: its words, what it explains, and the control and value that it writes.
+
+    ``is_on`` says of one of several whether it is the chosen one; None for a button that only does something.
+    """
 
     words: str
     hint: str
     control_uuid: str
-    value: str
+    value: str | bool
+    is_on: bool | None = None
 
 
 def toolbar_html(groups: tuple[tuple[Tool, ...], ...]) -> str:
@@ -44,7 +46,8 @@ def overlay_html(content: str) -> str:
     """Return content that lies in the lower left corner of the scene; the mouse goes through it."""
     return (
         '<div data-testid="overlay" style="position:fixed;z-index:4;pointer-events:none;border-radius:5px;'
-        'background:color-mix(in srgb, var(--mantine-color-body) 78%, transparent)">'
+        f"border:1px solid {LINE};color:var(--mantine-color-text);"
+        'background:color-mix(in srgb, var(--mantine-color-body) 94%, transparent)">'
         f"{content}{_lift('bottom', 460)}</div>"
     )
 
@@ -61,12 +64,16 @@ def _lift(edge: Literal["top", "bottom"], widest: int) -> str:
         f"document.getElementById({name})?.remove();e.id={name};document.body.appendChild(e);"
         "const timer=setInterval(place,300);place()})(this)"
     )
-    return f'<img alt="" src="{_NOTHING}" style="display:none" onload="{text(script)}">'
+    return script_html(script)
 
 
 def _button(tool: Tool) -> str:
     script = set_script(tool.control_uuid, tool.value)
+    state = "" if tool.is_on is None else f' aria-pressed="{"true" if tool.is_on else "false"}"'
+    colors = (
+        "background:var(--mantine-primary-color-filled);color:#fff" if tool.is_on else "background:none;color:inherit"
+    )
     return (
-        f'<button type="button" title="{text(tool.hint)}" onclick="{text(script)}" style="border:0;cursor:pointer;'
-        f'background:none;color:inherit;font:inherit;font-size:12px;padding:3px 9px">{text(tool.words)}</button>'
+        f'<button type="button" title="{text(tool.hint)}" onclick="{text(script)}"{state} style="border:0;'
+        f'cursor:pointer;{colors};font:inherit;font-size:12px;padding:3px 8px">{text(tool.words)}</button>'
     )

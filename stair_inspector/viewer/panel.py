@@ -1,6 +1,6 @@
 """The panel of one inspector's page: what always shows, and the tabs that follow the work."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,20 +8,29 @@ import viser
 
 from stair_inspector.files.palettes import Palette
 from stair_inspector.params import Params
+from stair_inspector.report.pictures.coloring import ColorMode
+from stair_inspector.report.pictures.legends import Legend
+from stair_inspector.report.units import UNITS
 from stair_inspector.viewer import histogram, html
-from stair_inspector.viewer.coloring import ColorMode
+from stair_inspector.viewer.choices import Choice
 from stair_inspector.viewer.controls import SettingControls
-from stair_inspector.viewer.legends import Legend, legend_html
+from stair_inspector.viewer.legends import legend_html
 from stair_inspector.viewer.notices import from_page
 from stair_inspector.viewer.overlay import overlay_html
+from stair_inspector.viewer.shortcuts import keys_html
+from stair_inspector.viewer.step_marks import StepMark
+from stair_inspector.viewer.tabs.checks import ChecksActions, ChecksTab
 from stair_inspector.viewer.tabs.export import ExportActions, ExportTab
 from stair_inspector.viewer.tabs.scan import ScanActions, ScanTab
 from stair_inspector.viewer.tabs.steps import StepsActions, StepsTab
 from stair_inspector.viewer.tabs.tune import TuneActions, TuneTab
-from stair_inspector.viewer.units import UNITS
 
-WIDTH = 460
+WIDTH = 468
 """Of the panel, pixels."""
+_CLEAR_OF_THE_SCROLLBAR = (
+    "<style>.mantine-ScrollArea-viewport:has([data-testid=scan])>*{box-sizing:border-box;padding-right:8px}</style>"
+)
+"""viser draws it over the right end of the controls."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +40,7 @@ class Actions:
     scan: ScanActions
     tune: TuneActions
     steps: StepsActions
+    checks: ChecksActions
     export: ExportActions
     on_settings: Callable[[], None]
     on_pick: Callable[[str], None]
@@ -57,6 +67,7 @@ class Panel:
         gui = client.gui
         gui.set_panel_label("stair_inspector")
         self.controls = SettingControls(gui, params, actions.on_settings)
+        gui.add_html(keys_html() + _CLEAR_OF_THE_SCROLLBAR)
         self.toolbar = gui.add_html("")
         self.legend = gui.add_html("")
         self.header = gui.add_html("")
@@ -73,6 +84,8 @@ class Panel:
             self.tune = TuneTab(gui, offers.presets, offers.sweeps, self.controls, actions.tune, actions.steps)
         with tabs.add_tab("Steps", viser.Icon.STAIRS):
             self.steps = StepsTab(gui, self.controls, actions.steps)
+        with tabs.add_tab("Checks", viser.Icon.CHECKLIST):
+            self.checks = ChecksTab(gui, actions.checks)
         # Filled by the tools, which need the other tabs.
         self.look = tabs.add_tab("Look", viser.Icon.EYE)
         with tabs.add_tab("Export", viser.Icon.DOWNLOAD):
@@ -85,19 +98,21 @@ class Panel:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
 
-    def show_table(self, content: str, *, is_survey: bool) -> None:
+    def show_table(self, content: str, columns: html.Columns, *, is_survey: bool) -> None:
         """Show the steps, on both tabs that list them."""
-        self.steps.table.show(content, is_survey=is_survey)
+        self.steps.table.show(content, columns, is_survey=is_survey)
         # Both may be on the page at the same time, and each has names of its own.
-        self.tune.table.show(content.replace('data-testid="', 'data-testid="tune-'), is_survey=is_survey)
+        self.tune.table.show(content.replace('data-testid="', 'data-testid="tune-'), columns, is_survey=is_survey)
 
     def show_survey_controls(self, is_survey: bool) -> None:
         """Show what only the survey has: its rejected surfaces."""
         self.steps.show_rejected.visible = is_survey
 
-    def show_legend(self, palette: Palette, legend: Legend | None, mode: ColorMode) -> None:
-        """Show what colours and lines mean."""
-        content = html.legend_html(palette, with_steps=mode == "Step")
+    def show_legend(
+        self, palette: Palette, legend: Legend | None, mode: ColorMode, marks: Mapping[int, StepMark]
+    ) -> None:
+        """Show what colours, lines and marks mean."""
+        content = html.legend_html(palette, with_steps=mode == "Step", tones={mark.tone for mark in marks.values()})
         if mode != "Step" and legend is not None:
             content = legend_html(legend) + content
         self.legend.content = overlay_html(content)
@@ -105,17 +120,17 @@ class Panel:
     def show_waiting(self, label: str, palette: Palette) -> None:
         """Show the empty page of a scan that is being opened."""
         self.header.content = html.header_html(label, None, None)
-        self.show_table(html.table_html(None, palette, None, None), is_survey=False)
+        self.show_table(html.table_html(None, palette, None, None), "paper", is_survey=False)
         self.tune.histogram.content = histogram.histogram_html(None, palette)
 
     def _add_page_settings(self, gui: viser.GuiApi, actions: Actions) -> None:
-        unit: Any = gui.add_button_group(
-            "Lengths in", UNITS, hint="On this page only; files are in metres and millimetres. Key U."
+        self.unit = Choice(
+            gui, "Lengths in", UNITS, UNITS[0], "On this page only; files are in metres and millimetres. Key U."
         )
-        unit.on_click(from_page(actions.on_unit, lambda: unit.value))
-        self.dark: Any = gui.add_checkbox("Dark theme", False, hint="Key D.")
+        self.unit.group.on_click(from_page(actions.on_unit, lambda: self.unit.group.value))
+        self.dark: Any = gui.add_checkbox("Dark theme", False, hint="Key T.")
         self.dark.on_update(from_page(actions.on_theme, lambda: self.dark.value))
-        help_button = gui.add_button(
+        self.help: Any = gui.add_button(
             "Keys and help", icon=viser.Icon.KEYBOARD, color="gray", hint="Key H; Ctrl+K searches all commands."
         )
-        help_button.on_click(lambda _: actions.on_help())
+        self.help.on_click(lambda _: actions.on_help())

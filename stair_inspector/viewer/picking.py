@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Bools, Floats
+from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import FLOOR_LABEL, Inspection
-from stair_inspector.viewer.coloring import labels_at, residuals_of
-from stair_inspector.viewer.display import Display
+from stair_inspector.report.pictures.coloring import labels_at, residuals_of
+from stair_inspector.report.pictures.display import Display
 
 _REACH_PIXELS = 8.0
 _FRONT_LAYER = 4.0
@@ -68,7 +68,7 @@ def cone_of(fov_rad: float, image_height: int, pixels: float = _REACH_PIXELS) ->
     return 2.0 * math.tan(fov_rad / 2.0) * pixels / max(image_height, 1)
 
 
-def find_nearest(points: Floats, ray: Ray, cone: float, is_shown: Bools | None = None) -> int | None:
+def find_nearest(points: Floats, ray: Ray, cone: float) -> int | None:
     """Return the row of the point that a click means, or None where nothing lies near the ray.
 
     Parameters
@@ -79,8 +79,6 @@ def find_nearest(points: Floats, ray: Ray, cone: float, is_shown: Bools | None =
         Through the clicked pixel.
     cone : float
         Tangent of the largest angle between the ray and a point, from :func:`cone_of`.
-    is_shown : (m,), optional
-        False for points that a section or a region hides: they cannot be picked.
 
     Notes
     -----
@@ -90,9 +88,8 @@ def find_nearest(points: Floats, ray: Ray, cone: float, is_shown: Bools | None =
     offset = points - ray.origin
     depth = offset @ ray.direction
     away = np.sqrt(np.maximum(np.einsum("ij,ij->i", offset, offset) - depth**2, 0.0))
-    is_ahead = depth > 0.0 if is_shown is None else is_shown & (depth > 0.0)
     for reach in (_EXACT_SHARE * cone, cone):
-        rows = np.nonzero(is_ahead & (away <= reach * depth))[0]
+        rows = np.nonzero((depth > 0.0) & (away <= reach * depth))[0]
         if len(rows):
             rows = rows[depth[rows] <= float(depth[rows].min()) * (1.0 + _FRONT_LAYER * reach)]
             return int(rows[np.argmin(away[rows] / depth[rows])])

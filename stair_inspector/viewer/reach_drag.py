@@ -1,9 +1,7 @@
 """Dragging over the height histogram chooses eps_z: while it lasts, the browser itself draws how far the reach goes."""
 
-import json
-
 from stair_inspector.params import Knob, knob_of
-from stair_inspector.viewer.markup import text
+from stair_inspector.viewer.markup import text, write_script
 
 REACH = "reach"
 """Word with which a drag is told to the server, before the reach in millimetres."""
@@ -35,9 +33,8 @@ def drag_attributes(pick_uuid: str, width: float, mm_per_unit: float) -> str:
     )
     end = (
         f"if(this._from!==undefined&&Math.abs({place}-this._from)>{_SHORTEST:g}){{const e={reach};"
-        "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',uuid:"
-        + json.dumps(pick_uuid)
-        + f",updates:{{value:'{REACH} '+e+':'+Date.now()}}}})}};this._from=undefined"
+        + write_script(pick_uuid, f"'{REACH} '+e+':'+Date.now()")
+        + "};this._from=undefined"
     )
     return (
         f' onpointerdown="{text(begin)}" onpointermove="{text(move)}" onpointerup="{text(end)}" '

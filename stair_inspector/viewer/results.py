@@ -1,22 +1,32 @@
 """The results on the page and what is chosen among them: tables, card, rejected surfaces, histogram and notes."""
 
+from collections.abc import Callable, Mapping
+
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Step
+from stair_inspector.report.pictures.coloring import rejected_of
+from stair_inspector.report.pictures.display import REJECTED_COLOR
+from stair_inspector.report.pictures.frames import step_of
+from stair_inspector.report.pictures.segmentation import MOST_REJECTED, SURFACE, ground_of, lift_of, points_of
+from stair_inspector.report.units import read_unit
 from stair_inspector.viewer import histogram, html
 from stair_inspector.viewer.desk import Desk, Shown
 from stair_inspector.viewer.dimensions import dimensions_of
-from stair_inspector.viewer.display import REJECTED_COLOR
-from stair_inspector.viewer.markup import FLIGHT, SURFACE
+from stair_inspector.viewer.markup import FLIGHT
 from stair_inspector.viewer.panel import Panel
-from stair_inspector.viewer.scene import HIGHLIGHT, ground_of, lift_of, points_of
+from stair_inspector.viewer.scene import HIGHLIGHT
+from stair_inspector.viewer.step_marks import StepMark
 from stair_inspector.viewer.step_pictures import card_pictures
-from stair_inspector.viewer.survey_html import MOST_REJECTED, card_html, rejected_html, rejected_of, step_of
+from stair_inspector.viewer.survey_html import card_html, rejected_html
 from stair_inspector.viewer.tabs.steps import NO_STEP
-from stair_inspector.viewer.units import read_unit
 
 
 class Results:
-    """Table, scene and card show one selection, wherever it was made."""
+    """Table, scene and card show one selection, wherever it was made.
+
+    ``marks`` are those of the steps that are outside a limit; ``on_shown`` is called when a selection has been shown,
+    and ``on_selected`` when another one was made.
+    """
 
     def __init__(self, desk: Desk, panel: Panel) -> None:
         self._desk = desk
@@ -25,6 +35,9 @@ class Results:
         self._columns: html.Columns | None = None
         self._folded: set[int] = set()
         self.with_rejected = False
+        self.marks: Mapping[int, StepMark] = {}
+        self.on_shown: Callable[[], None] = _nothing
+        self.on_selected: Callable[[], None] = _nothing
 
     # What a person does.
 
@@ -63,6 +76,7 @@ class Results:
             desk.selected, desk.selected_patch = step_id, patch_id
             with desk.client.atomic():
                 self.show_selection()
+        self.on_selected()
 
     def move(self, by: int) -> None:
         """Choose the next step upwards (1) or downwards (-1); the first or the last where none is chosen."""
@@ -91,11 +105,8 @@ class Results:
         unit = read_unit(option)
         with self._desk.lock, self._desk.client.atomic():
             self._desk.unit = unit
+            self._panel.unit.show(unit)
             self.show_selection()
-
-    def forget_rejected(self) -> None:
-        """Put the selection of a rejected surface away, as when they are hidden."""
-        self._desk.selected_patch = None
 
     # What the page shows. All callers hold the lock.
 
@@ -114,7 +125,9 @@ class Results:
 
     def show_details(self) -> None:
         """Show the notes, the settings that were used and the times."""
-        self._panel.details.content = html.details_html(self._desk.inspection)
+        inspection = self._desk.inspection
+        self._panel.details.content = html.details_html(inspection)
+        self._panel.scan.up_used.content = html.up_html(inspection.up) if inspection is not None else ""
 
     def show_pictures(self) -> None:
         """Show the map of the chosen step's residuals and its section, which are made from all points of the scan."""
@@ -138,8 +151,16 @@ class Results:
         panel.show_survey_controls(is_survey)
         panel.show_table(
             html.table_html(
-                inspection, desk.palette, desk.selected, uuid, columns, desk.unit, folded=frozenset(self._folded)
+                inspection,
+                desk.palette,
+                desk.selected,
+                uuid,
+                columns,
+                desk.unit,
+                folded=frozenset(self._folded),
+                marks=self.marks,
             ),
+            columns,
             is_survey=is_survey,
         )
         panel.steps.card.content = card_html(inspection, desk.selected, desk.palette, desk.unit)
@@ -156,6 +177,16 @@ class Results:
             chosen if desk.selected_patch is None else f"{SURFACE} {desk.selected_patch}",
         )
         self._show_chosen(shown, step)
+        self.on_shown()
+
+    def put_away(self) -> None:
+        """Show nothing of the results of a scan that is no longer open."""
+        desk, steps = self._desk, self._panel.steps
+        self._folded.clear()
+        self.show_details()
+        steps.offer_steps((), (), NO_STEP)
+        steps.card.content = card_html(None, None, desk.palette, desk.unit)
+        steps.pictures.content = steps.rejected.content = ""
 
     def chosen_place(self) -> tuple[float, float, float]:
         """Return the centroid of the chosen step's or surface's patch, metres in the scan frame.
@@ -210,6 +241,10 @@ class Results:
             ground_of(desk.palette) if has_lines else HIGHLIGHT,
         )
         desk.stage.show_dimensions(desk.selected, dimensions, desk.palette)
+
+
+def _nothing() -> None:
+    """Do nothing."""
 
 
 def _read_choice(value: object) -> tuple[int | None, int | None]:

@@ -106,17 +106,29 @@ class Runs:
         self._stage: str | None = None
         self._n_points = 0
         self._is_announced = False
-        self._is_cancelled = False
         self._is_closed = False
-        self._newest: Newest[tuple[Request, Path]] = Newest(self._run, name=name)
+        # Runs are numbered as they are asked for: what is given up are all up to a number, begun or not.
+        self._lock = threading.Lock()
+        self._number = self._n_asked = self._n_cancelled = self._n_left = 0
+        self._label = ""
+        self._newest: Newest[tuple[int, Request, Path]] = Newest(self._run, name=name)
 
     def submit(self, request: Request, path: Path) -> None:
-        """Ask for a run; one that waits is dropped, one in progress is finished."""
-        self._newest.submit((request, path))
+        """Ask for a run; one that waits is dropped, one in progress is finished, unless it is of another scan."""
+        with self._lock:
+            if request.label != self._label:
+                self._n_left = self._n_asked
+            self._label = request.label
+            self._n_asked += 1
+            self._newest.submit((self._n_asked, request, path))
 
     def cancel(self) -> None:
-        """Stop the run in progress: between two stages, or by ending the process that works for nobody else."""
-        self._is_cancelled = True
+        """Stop the run in progress: between two stages, or by ending the process that works for nobody else.
+
+        One that waits is not begun.
+        """
+        with self._lock:
+            self._n_cancelled = self._n_asked
 
     def is_busy(self) -> bool:
         """Return whether a run is in progress or waiting."""
@@ -132,20 +144,22 @@ class Runs:
         self._newest.close()
 
     def _is_wanted(self) -> bool:
-        return not (self._is_cancelled or self._is_closed)
+        return not (self._number <= max(self._n_cancelled, self._n_left) or self._is_closed)
 
     def _heavy(self, function: Callable[..., Any], *inputs: object) -> Any:
         return self._workshop.heavy(function, *inputs, is_wanted=self._is_wanted)
 
-    def _run(self, wanted: tuple[Request, Path]) -> None:
+    def _run(self, wanted: tuple[int, Request, Path]) -> None:
         """Compute and publish; the body of the thread. Never raises."""
-        request, path = wanted
+        self._number, request, path = wanted
         announce = threading.Timer(_PATIENCE_S, self._announce)
         announce.daemon = True
-        self._is_cancelled = self._is_announced = False
+        self._is_announced = False
         self._stage, self._n_points = "read", 0
         announce.start()
         try:
+            if not self._is_wanted():
+                raise Cancelled
             request, scan = self._listener.find(request, lambda unit: self._workshop.read(path, unit, self._is_wanted))
             self._n_points = len(scan.points)
             inspection = inspect(scan, request.params, self._memo)
@@ -165,7 +179,7 @@ class Runs:
 
     def _end(self, words: str) -> None:
         self._stage = None
-        if not self._is_closed:
+        if not self._is_closed and self._number > self._n_left:
             self._listener.failed(words)
 
     def _enter_stage(self, stage: str) -> None:

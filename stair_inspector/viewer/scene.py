@@ -1,6 +1,6 @@
-"""What is drawn of an inspection: first as plain arrays, which can be tested, then with viser."""
+"""An inspector's scene: what of an inspection is drawn, as nodes of viser."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Literal
@@ -9,165 +9,30 @@ import numpy as np
 import viser
 
 from stair_inspector.files.palettes import Palette, Rgb
-from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels
-from stair_inspector.model import Inspection
-from stair_inspector.viewer.coloring import step_colors
+from stair_inspector.geometry.arrays import Colors, Floats
+from stair_inspector.report.pictures.display import Display
+from stair_inspector.report.pictures.segmentation import Drawing, extent_of
 from stair_inspector.viewer.dimensions import Anchor, Dimensions, Label
-from stair_inspector.viewer.display import Display
-from stair_inspector.viewer.markup import SURFACE
 from stair_inspector.viewer.measuring import MeasureDrawing
-from stair_inspector.viewer.survey_html import MOST_REJECTED, rejected_of
+from stair_inspector.viewer.step_marks import TONE_RGB, StepMark
 
 Mode = Literal["Raw", "Segmented", "Side by side"]
 
 MODES: tuple[Mode, ...] = ("Raw", "Segmented", "Side by side")
 _EDGE_PIXELS = 3.0
-_BESIDE_M = 0.1
 _NOSING_PIXELS = 6.0
 _ARROW_PIXELS = 2.0
+_MARK_PIXELS = 5.0
 _GAP_SHARE = 0.25
 """Gap between the two clouds side by side, as a share of their width."""
 HIGHLIGHT: Rgb = (0, 214, 230)
-_GROUND_SHARE = 0.7
 MEASURED: Rgb = (230, 60, 140)
 """Of what an inspector measured by hand: none of the hues of steps, edges and measuring lines."""
+_CLOUDS = ("/stair/segments/cloud", "/stair/segments/centres", "/stair/segments/selected")
+_LINES = ("/stair/segments/edges", "/stair/segments/nosings", "/stair/segments/outside")
+"""What a section stands in for: the segmentation's points, and the lines of all steps."""
 _PICKED_POINTS = 2.6
 """Diameter of a picked point, in those of the scan."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Drawing:
-    """The segmentation as plain data, local coordinates.
-
-    ``colors`` (m, 3) of the displayed points; ``edges`` (e, 2, 3) with ``edge_colors`` (e, 3), lifted off the surface
-    by about a point's size so that its points do not cover them; ``nosings`` (k, 2, 3) the survey's nosing lines,
-    lifted too; ``centres`` (c, 3) the points kept around the centroids; ``corners`` one (4, 3) plate for each step;
-    ``labels`` their names; ``rejected`` the name and place (3,) of each rejected surface that is to be seen.
-    """
-
-    colors: Colors
-    edges: Floats
-    edge_colors: Colors
-    nosings: Floats
-    centres: Floats
-    corners: tuple[Floats, ...]
-    labels: tuple[str, ...]
-    rejected: tuple[tuple[str, Floats], ...] = ()
-
-
-def draw(
-    inspection: Inspection,
-    display: Display,
-    scan_points: Floats,
-    palette: Palette,
-    *,
-    with_rejected: bool = False,
-    colors: Colors | None = None,
-) -> Drawing:
-    """Return what is drawn of an inspection.
-
-    Parameters
-    ----------
-    inspection, display
-        Of the same scan.
-    scan_points : (n, 3)
-        All points of that scan, local.
-    palette : Palette
-        Colours of the page.
-    with_rejected : bool
-        Whether surfaces that are no part of the staircase have a colour of their own and, the largest, a name.
-    colors : (m, 3), optional
-        Of the displayed points; None colours them by step.
-    """
-    rejected = rejected_of(inspection) if with_rejected else []
-    if colors is None:
-        colors = step_colors(inspection, display, palette, with_rejected=with_rejected)
-    edges, edge_colors = [], []
-    nosings = []
-    for step in inspection.steps:
-        lift = lift_of(display.spacing_m, step.plane.rms_m) * inspection.up.vector
-        front_left, front_right, back_right, back_left = step.corners + lift
-        edges += [(front_left, back_left), (front_right, back_right), (back_left, back_right)]
-        edge_colors += [palette.side_edge, palette.side_edge, palette.back_edge]
-        if step.nosing is not None:
-            nosings.append(step.nosing + lift)
-        else:
-            edges.append((front_left, front_right))
-            edge_colors.append(palette.front_edge)
-    centres = [scan_points[step.nearest_ids] for step in inspection.steps]
-    return Drawing(
-        colors=colors,
-        edges=np.array(edges).reshape(-1, 2, 3),
-        edge_colors=np.array(edge_colors, dtype=np.uint8).reshape(-1, 3),
-        nosings=np.array(nosings).reshape(-1, 2, 3),
-        centres=np.concatenate(centres) if centres else np.zeros((0, 3)),
-        corners=tuple(step.corners for step in inspection.steps),
-        labels=tuple(str(step.step_id) for step in inspection.steps),
-        rejected=tuple((f"{SURFACE} {patch.patch_id}", patch.plane.centroid) for patch in rejected[:MOST_REJECTED]),
-    )
-
-
-def lift_of(spacing_m: float, rms_m: float | None) -> float:
-    """Return how far above a surface a line is drawn, metres: in it, half of the surface's points would cover it."""
-    return spacing_m + 2.0 * (rms_m or 0.0)
-
-
-def ground_of(palette: Palette) -> Rgb:
-    """Return a quiet colour on which measuring lines and arrows are seen, for the points of a step with dimensions."""
-    # Arrows are dark on the light theme and light on the dark one.
-    far = 255 if sum(palette.centre) < 3 * 128 else 0
-    red, green, blue = (round(_GROUND_SHARE * far + (1.0 - _GROUND_SHARE) * channel) for channel in palette.measure)
-    return (red, green, blue)
-
-
-def points_of(inspection: Inspection, display: Display, step_id: int | None, patch_id: int | None) -> Floats:
-    """Return the displayed points (k, 3) of a step, or of a surface, or none."""
-    owners: Labels | Ints | None = inspection.labels if step_id is not None else inspection.patch_ids
-    number = step_id if step_id is not None else patch_id
-    if owners is None or number is None:
-        return np.zeros((0, 3))
-    points: Floats = display.points[owners[display.point_ids] == number]
-    return points
-
-
-def view_from_local(inspection: Inspection) -> Floats:
-    """Return the rotation (3, 3) from local axes to the view: right of the climber, along the climb, up.
-
-    The climb is that at the foot of the first flight, or that of the paper's axes where no flight is known.
-    """
-    up = inspection.up.vector
-    if inspection.flights:
-        right = np.cross(inspection.flights[0].climb, up)
-        right /= np.linalg.norm(right)
-        return np.stack([right, np.cross(up, right), up])
-    if inspection.axes is not None:
-        return np.stack([-inspection.axes.width, -inspection.axes.depth, up])
-    some = np.eye(3)[np.argmin(np.abs(up))]
-    right = np.cross(some, up)
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(up, right), up])
-
-
-def is_left_hidden(inspection: Inspection, display: Display) -> bool:
-    """Return whether something tall, such as a wall, stands on the left of the stair and not on the right.
-
-    Seen when climbing; what lies lower than the steps hides nothing.
-    """
-    if not inspection.steps:
-        return False
-    turn = view_from_local(inspection)
-    corners = np.concatenate([step.corners for step in inspection.steps]) @ turn.T
-    x, _, z = (display.points @ turn.T).T
-    is_in_the_way = (inspection.labels[display.point_ids] < 0) & (z > corners[:, 2].max())
-    n_left = np.count_nonzero(is_in_the_way & (x < corners[:, 0].min() + _BESIDE_M))
-    n_right = np.count_nonzero(is_in_the_way & (x > corners[:, 0].max() - _BESIDE_M))
-    return bool(n_left > 2 * n_right)
-
-
-def extent_of(points: Floats) -> Floats:
-    """Return the eight corners (8, 3) of the box around all but the outermost points."""
-    low, high = np.percentile(points, [0.5, 99.5], axis=0)
-    return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
 
 
 def quaternion(rotation: Floats) -> tuple[float, float, float, float]:
@@ -195,6 +60,8 @@ class Stage:
     _dimension_labels: list[Any] = field(default_factory=list)
     _measure_labels: list[Any] = field(default_factory=list)
     _is_cut: bool = False
+    _cut_steps: frozenset[str] = frozenset()
+    _covered_steps: frozenset[str] = frozenset()
 
     def show_scan(self, display: Display, rotation: Floats, point_size_m: float) -> None:
         """Replace everything by a scan, standing upright."""
@@ -282,19 +149,35 @@ class Stage:
         )
 
         # The numbers of the step and of its neighbours stand where the labels run.
-        hidden = set()
+        self._covered_steps = frozenset()
         if step_id is not None and self._dimension_labels:
-            hidden = {str(number) for number in (step_id - 1, step_id, step_id + 1)}
-        for (_, label), name in zip(self._per_step, self._step_names, strict=True):
-            label.visible = name not in hidden
+            self._covered_steps = frozenset(str(number) for number in (step_id - 1, step_id, step_id + 1))
+        self._show_numbers()
 
-    def set_colors(self, colors: Colors) -> None:
-        """Replace the colours (m, 3) of the segmentation's points; nothing else is sent again."""
-        if "/stair/segments/cloud" in self._nodes:
-            self._nodes["/stair/segments/cloud"].colors = colors
+    def show_marks(self, marks: Mapping[int, StepMark]) -> None:
+        """Outline the treads of steps that are outside a limit, and put their sign beside their number."""
+        outlines, colors = [], []
+        lift_m = 2.0 * self.point_size_m * self.rotation[2]
+        for (plate, label), name in zip(self._per_step, self._step_names, strict=True):
+            mark = marks.get(int(name))
+            label.text = name if mark is None else f"{name} {mark.sign}"
+            if mark is not None:
+                corners = np.asarray(plate.vertices, dtype=np.float64) + lift_m
+                outlines.append(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
+                colors += [TONE_RGB[mark.tone]] * len(corners)
+        self._replace_lines(
+            "/stair/segments/outside",
+            np.concatenate(outlines) if outlines else np.zeros((0, 2, 3)),
+            np.array(colors, dtype=np.uint8).reshape(-1, 3),
+            _MARK_PIXELS,
+        )
 
-    def show_section(self, points: Floats, colors: Colors, outline: Floats | None) -> None:
+    def show_section(
+        self, points: Floats, colors: Colors, outline: Floats | None, step_ids: Iterable[int] = ()
+    ) -> None:
         """Show a section instead of the clouds, or, with no outline, the clouds again.
+
+        The edges of all steps would lie over it, so they go with the clouds.
 
         Parameters
         ----------
@@ -302,8 +185,11 @@ class Stage:
             Of the section, local; perhaps none at all.
         outline : (4, 3), optional
             Corners of the section, local.
+        step_ids : iterable of int
+            Steps that it cuts, whose numbers stay.
         """
         self._is_cut = outline is not None
+        self._cut_steps = frozenset(map(str, step_ids))
         if outline is None or not len(points):
             self._remove("/stair/section/cloud")
         else:
@@ -340,7 +226,7 @@ class Stage:
         labels = drawing.labels if drawing is not None else ()
         self._measure_labels = self._replace_labels(
             self._measure_labels,
-            [(f"/stair/measured/labels/{name}", words, place, "bottom-left") for name, words, place in labels],
+            [(f"/stair/measured/labels/{name}", words, place, anchor) for name, words, place, anchor in labels],
         )
 
     def set_mode(self, mode: Mode) -> None:
@@ -349,9 +235,10 @@ class Stage:
         if "stair" not in self._nodes:
             return
         self._nodes["/stair/raw"].visible = mode != "Segmented" and not self._is_cut
-        for name in ("/stair/segments/cloud", "/stair/segments/centres", "/stair/segments/selected"):
+        for name in (*_CLOUDS, *_LINES):
             if name in self._nodes:
                 self._nodes[name].visible = not self._is_cut
+        self._show_numbers()
         self._nodes["segments"].visible = mode != "Raw"
         # Along the view's x axis, given in the frame's own axes.
         self._nodes["segments"].position = self.shift_m() * self.rotation[0]
@@ -396,6 +283,10 @@ class Stage:
         self._is_cut = False
         for name in list(self._nodes)[::-1]:
             self._remove(name)
+
+    def _show_numbers(self) -> None:
+        for (_, label), name in zip(self._per_step, self._step_names, strict=True):
+            label.visible = name not in self._covered_steps and (not self._is_cut or name in self._cut_steps)
 
     def _add_steps(self, drawing: Drawing, on_pick: Callable[[int], None]) -> None:
         self._remove_steps()
@@ -452,6 +343,7 @@ class Stage:
             np.repeat(_linear(colors)[:, None, :], 2, axis=1),
             thickness=pixels,
             thickness_units="screen",
+            visible=not (self._is_cut and name in _LINES),
         )
 
     def _remove(self, name: str) -> None:

@@ -10,16 +10,17 @@ import numpy as np
 from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL
-from stair_inspector.viewer.markup import round_ticks, text
+from stair_inspector.report.units import M_PER_INCH, Unit, length_text, measured_text, round_ticks
+from stair_inspector.viewer.markup import text
 from stair_inspector.viewer.sections import Profile, ProfileLine
-from stair_inspector.viewer.units import M_PER_INCH, Unit, length_text, measured_text
 
 MOST_DOTS = 6_000
 """Dots of a drawing; points that would share one are drawn once."""
 _TALLEST = 460
 _SHORTEST = 110
-_LEFT, _RIGHT, _TOP, _BOTTOM = 48, 12, 20, 36
+_LEFT, _RIGHT, _TOP, _BOTTOM = 48, 12, 12, 36
 _DOT = 1.6
+_LEAST_TICKS = 2
 _OUTERMOST_PERCENT = 0.2
 _PER_M = {"mm": 1.0, "in": 1.0 / M_PER_INCH}
 _NAMES = {"mm": "m", "in": "in"}
@@ -63,6 +64,8 @@ def profile_svg(
     selected: int | None = None,
     *,
     width: int = 420,
+    tallest: int = _TALLEST,
+    most_dots: int = MOST_DOTS,
     around: Floats | None = None,
 ) -> str:
     """Return a section as SVG.
@@ -79,6 +82,8 @@ def profile_svg(
         Step that is emphasised and whose rise and going are drawn.
     width : int
         Of the drawing, pixels; it is scaled to its element. The scale is the same across and upwards.
+    tallest, most_dots : int
+        Its largest height, pixels, and the most dots that it has.
     around : (2, 2), optional
         Lowest and highest place (across, height) that are drawn, metres; None draws everything.
     """
@@ -88,12 +93,12 @@ def profile_svg(
             '<div data-testid="profile" style="padding:8px 9px;opacity:.75;font-size:12px">'
             "No points lie in this section; move it or make it thicker.</div>"
         )
-    window = _window(profile, width, around)
+    window = _window(profile, width, tallest, around)
     is_seen = (places >= [window.x_low, window.z_low]).all(axis=1) & (places <= [window.x_high, window.z_high]).all(
         axis=1
     )
     height = window.bottom + _BOTTOM
-    title = title_of(profile, unit)
+    title = title_of(profile, unit, selected)
     lines = "".join(
         _line(line, window, unit, is_selected=line.step.step_id == selected)
         for line in profile.lines
@@ -102,27 +107,29 @@ def profile_svg(
     # The points and lines of an enlarged part end at its frame.
     frame = f'x="{_LEFT}" y="{_TOP}" width="{window.right - _LEFT:.1f}" height="{window.bottom - _TOP:.1f}"'
     return (
-        f'<div data-testid="profile" class="si-results" style="padding:2px 8px 2px 0"><svg '
+        f'<div data-testid="profile" class="si-results" style="padding:2px 8px 2px 0">'
+        f'<div style="font-size:11px;opacity:.8;padding:0 0 2px 9px">{text(title)}</div><svg '
         f'xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height:.0f}" width="100%" role="img" '
         f'font-family="sans-serif" font-size="11" aria-label="{text(title)}">'
-        f'<text x="{_LEFT}" y="13" fill="currentColor" opacity="0.8">{text(title)}</text>'
         f'<rect {frame} fill="none" stroke="currentColor" opacity="0.25"/>'
         f"{_scales(profile, window, unit)}"
-        f"{_dots(profile, np.nonzero(is_seen)[0], window, palette)}{lines}</svg></div>"
+        f"{_dots(profile, np.nonzero(is_seen)[0], window, palette, most_dots)}{lines}</svg></div>"
     )
 
 
-def title_of(profile: Profile, unit: Unit = "mm") -> str:
-    """Return what a section is: ``section along the stair, 50 mm thick, 100 mm right of its middle``."""
+def title_of(profile: Profile, unit: Unit = "mm", step_id: int | None = None) -> str:
+    """Return what a section is: ``section along the stair, 50 mm thick, 100 mm right of its middle``.
+
+    With a step, whose frame the section is cut in, its place is told from the middle of that step.
+    """
     sides = ("right of", "left of") if profile.direction == "along" else ("up from", "down from")
     away = length_text(abs(profile.place_m), unit, 0)
     place = f"{away} {sides[profile.place_m < 0.0]}" if away != length_text(0.0, unit, 0) else "in"
-    return (
-        f"section {profile.direction} the stair, {length_text(profile.thickness_m, unit, 0)} thick, {place} its middle"
-    )
+    middle = "its middle" if step_id is None else f"the middle of step {step_id}"
+    return f"section {profile.direction} the stair, {length_text(profile.thickness_m, unit, 0)} thick, {place} {middle}"
 
 
-def _window(profile: Profile, width: int, around: Floats | None) -> _Window:
+def _window(profile: Profile, width: int, tallest: int, around: Floats | None) -> _Window:
     if around is None:
         low, high = np.percentile(profile.places_m, [_OUTERMOST_PERCENT, 100.0 - _OUTERMOST_PERCENT], axis=0)
         ends = [line.ends for line in profile.lines]
@@ -132,7 +139,7 @@ def _window(profile: Profile, width: int, around: Floats | None) -> _Window:
     else:
         low, high = around
     x_span, z_span = np.maximum(high - low, 1e-3)
-    scale = min((width - _LEFT - _RIGHT) / x_span, _TALLEST / z_span)
+    scale = min((width - _LEFT - _RIGHT) / x_span, tallest / z_span)
     # A flat section still has room for its numbers.
     z_span = max(z_span, _SHORTEST / scale)
     middle = (low[1] + high[1]) / 2.0
@@ -142,7 +149,7 @@ def _window(profile: Profile, width: int, around: Floats | None) -> _Window:
 
 
 def _dots(
-    profile: Profile, rows: "np.ndarray[tuple[int], np.dtype[np.intp]]", window: _Window, palette: Palette
+    profile: Profile, rows: "np.ndarray[tuple[int], np.dtype[np.intp]]", window: _Window, palette: Palette, most: int
 ) -> str:
     """Return one path of dots for each colour, each dot once."""
     labels = profile.labels[rows].astype(np.int64)
@@ -152,7 +159,7 @@ def _dots(
     while True:
         grid = np.column_stack([labels, np.rint(x / cell), np.rint(y / cell)]).astype(np.int64)
         dots = np.unique(grid, axis=0)
-        if len(dots) <= MOST_DOTS:
+        if len(dots) <= most:
             break
         cell *= 1.5
     paths = []
@@ -232,7 +239,7 @@ def _scales(profile: Profile, window: _Window, unit: Unit) -> str:
     parts = []
     bottom, right = window.bottom, window.right
     n_across = max(2.0, (right - _LEFT) / 70.0)
-    for digits, value in round_ticks(window.x_low * per_m, (window.x_high - window.x_low) * per_m, n_across):
+    for digits, value in _ticks(window.x_low * per_m, (window.x_high - window.x_low) * per_m, n_across):
         x = window.x(value / per_m)
         parts.append(
             f'<path d="M{x:.1f} {bottom:.1f}v4" stroke="currentColor" opacity="0.6"/>'
@@ -240,7 +247,7 @@ def _scales(profile: Profile, window: _Window, unit: Unit) -> str:
             f"{value:.{digits}f}</text>"
         )
     n_up = max(2.0, (bottom - _TOP) / 45.0)
-    for digits, value in round_ticks(window.z_low * per_m, (window.z_high - window.z_low) * per_m, n_up):
+    for digits, value in _ticks(window.z_low * per_m, (window.z_high - window.z_low) * per_m, n_up):
         y = window.y(value / per_m)
         parts.append(
             f'<path d="M{_LEFT} {y:.1f}h-4M{_LEFT} {y:.1f}H{right:.1f}" stroke="currentColor" opacity="0.13"/>'
@@ -250,6 +257,15 @@ def _scales(profile: Profile, window: _Window, unit: Unit) -> str:
     caption = f"{_ACROSS[profile.direction]} → [{name}], height in the scan's frame ↑ [{name}]"
     parts.append(f'<text x="{right:.1f}" y="{bottom + 30:.1f}" text-anchor="end" {_TEXT}>{text(caption)}</text>')
     return "".join(parts)
+
+
+def _ticks(low: float, span: float, n: float) -> list[tuple[int, float]]:
+    """Return about ``n`` round numbers, at least two: one alone gives no scale."""
+    ticks = round_ticks(low, span, n)
+    while len(ticks) < _LEAST_TICKS:
+        n *= 1.5
+        ticks = round_ticks(low, span, n)
+    return ticks
 
 
 def _is_inside(line: ProfileLine, window: _Window) -> bool:

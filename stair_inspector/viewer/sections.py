@@ -16,9 +16,9 @@ import numpy as np
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, Labels
 from stair_inspector.model import Inspection, Scan, Step
-from stair_inspector.viewer.coloring import labels_at
-from stair_inspector.viewer.display import Display, display_of
-from stair_inspector.viewer.survey_html import step_of
+from stair_inspector.report.pictures.coloring import labels_at
+from stair_inspector.report.pictures.display import Display, display_of
+from stair_inspector.report.pictures.frames import SectionFrame
 
 Direction = Literal["along", "across"]
 
@@ -30,16 +30,6 @@ _OUTERMOST_PERCENT = 0.5
 _ENOUGH = 30_000
 _TRUE_LENGTH = math.cos(math.radians(5.0))
 """Cosine between a going and the drawing from which on its length in the drawing is its own, to 0.4 %."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SectionFrame:
-    """Where sections are cut, local: ``origin`` (3,) in the middle of the stair, unit ``right``, ``climb``, ``up``."""
-
-    origin: Floats
-    right: Floats
-    climb: Floats
-    up: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,29 +91,6 @@ def read_direction(value: object) -> Direction:
     if known is None:
         raise ConfigError(f"section: got {str(value)[:40]!r}; give one of {', '.join(DIRECTIONS)}")
     return known
-
-
-def section_frame(inspection: Inspection, points: Floats, step_id: int | None = None) -> SectionFrame:
-    """Return the frame in which sections are cut.
-
-    Parameters
-    ----------
-    inspection : Inspection
-        Its first flight gives the climb; without one the paper's axes do.
-    points : (m, 3)
-        Displayed points, local; their middle is the origin where there are no steps.
-    step_id : int, optional
-        A step whose own climb and place are taken instead: stairs turn.
-    """
-    up = inspection.up.vector
-    step = step_of(inspection, step_id)
-    corners = [other.corners for other in ((step,) if step is not None else inspection.steps)]
-    origin = np.concatenate(corners).mean(axis=0) if corners else points.mean(axis=0)
-    climb = _climb_of(inspection, step)
-    # Square to up to the last bit, so that a slab is upright.
-    climb = climb - (climb @ up) * up
-    climb /= np.linalg.norm(climb)
-    return SectionFrame(origin, np.cross(climb, up), climb, up)
 
 
 def places(frame: SectionFrame, points: Floats, direction: Direction) -> tuple[float, float]:
@@ -188,25 +155,17 @@ def profile_of(scan: Scan, inspection: Inspection, slab: Slab) -> Profile:
 
 
 def profile_csv(profile: Profile) -> bytes:
-    """Return the points of a section as CSV, all that are drawn: metres, and the step or -1."""
-    head = f"{'along' if profile.direction == 'along' else 'right'}_m,height_m,step"
-    rows = (f"{x:.5f},{z:.5f},{label}" for (x, z), label in zip(profile.places_m.tolist(), profile.labels, strict=True))
+    """Return the points of a section as CSV, all that are drawn: millimetres, and the number of the step.
+
+    The floor has the number 0; what is no step, such as a riser, has none.
+    """
+    head = f"{'along' if profile.direction == 'along' else 'right'}_mm,height_mm,step_number"
+    places = (1000.0 * profile.places_m).tolist()
+    rows = (
+        f"{x:.2f},{z:.2f},{label if label >= 0 else ''}"
+        for (x, z), label in zip(places, profile.labels.tolist(), strict=True)
+    )
     return ("\n".join([head, *rows]) + "\n").encode("utf-8")
-
-
-def _climb_of(inspection: Inspection, step: Step | None) -> Floats:
-    if step is not None and step.climb is not None:
-        return step.climb
-    flight = next((flight for flight in inspection.flights if step is None or flight.flight_id == step.flight), None)
-    if flight is not None:
-        return flight.climb
-    if inspection.axes is not None:
-        climb: Floats = -inspection.axes.depth
-        return climb
-    # Any horizontal direction: there is no stair.
-    some = np.eye(3)[np.argmin(np.abs(inspection.up.vector))]
-    climb = np.cross(inspection.up.vector, some)
-    return climb
 
 
 def _some(points: Floats) -> Floats:

@@ -7,10 +7,10 @@ import math
 from dataclasses import dataclass
 
 from stair_inspector.params import Knob, knob_of
+from stair_inspector.report.units import M_PER_INCH, NOT_KNOWN, Unit, length_text, round_ticks
 from stair_inspector.viewer.controls import title_of_setting, value_words
-from stair_inspector.viewer.markup import DIM, round_ticks, text
+from stair_inspector.viewer.markup import DIM, text
 from stair_inspector.viewer.sensitivity import PLATEAU_M, SWEPT_QUANTITIES, Sweep, is_log, plateau
-from stair_inspector.viewer.units import M_PER_INCH, NOT_KNOWN, Unit, length_text
 
 _WIDTH, _HEIGHT = 420, 200
 _LEFT, _RIGHT, _TOP, _BOTTOM = 56, 12, 10, 34

@@ -1,5 +1,6 @@
 """One inspector: a page, the work on its scans, its last good result, and the thread that computes for it."""
 
+import contextlib
 import dataclasses
 from collections.abc import Callable
 from typing import Any, Unpack
@@ -11,7 +12,10 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import Params, Unit
+from stair_inspector.report.pictures.segmentation import view_from_local
 from stair_inspector.viewer import html
+from stair_inspector.viewer.checking import Checking
+from stair_inspector.viewer.checks_html import RULE
 from stair_inspector.viewer.comparing import Comparing, sweep_titles
 from stair_inspector.viewer.controls import words_of_change
 from stair_inspector.viewer.deciding import Deciding
@@ -19,13 +23,17 @@ from stair_inspector.viewer.desk import Desk, Shown
 from stair_inspector.viewer.exporting import Exporting
 from stair_inspector.viewer.library import Library
 from stair_inspector.viewer.looking import Looking
+from stair_inspector.viewer.making import Making
 from stair_inspector.viewer.notices import Notices
 from stair_inspector.viewer.opening import Opening
 from stair_inspector.viewer.panel import Offers, Panel
 from stair_inspector.viewer.reach_drag import REACH
+from stair_inspector.viewer.reporting import Reporting
 from stair_inspector.viewer.results import Results
 from stair_inspector.viewer.runs import CANCELLED, Listener, Prepared, Progress, Request, Runs
-from stair_inspector.viewer.scene import Stage, view_from_local
+from stair_inspector.viewer.scene import Stage
+from stair_inspector.viewer.scene_views import SceneViews
+from stair_inspector.viewer.shortcuts import HelpCard
 from stair_inspector.viewer.toolbar import add_toolbar
 from stair_inspector.viewer.tools.region import RegionTool
 from stair_inspector.viewer.tools.upright import UprightTool
@@ -54,6 +62,8 @@ class Session:
         Colours of the page in its light and in its dark theme.
     kept : KeptWishes
         What pages that have gone were last at.
+    end : callable
+        Closes this page; called when its browser has come back while this page no longer answers.
     """
 
     def __init__(
@@ -64,29 +74,41 @@ class Session:
         params: Params,
         palettes: tuple[Palette, Palette],
         kept: KeptWishes,
+        end: Callable[[], None],
     ) -> None:
         self._client = client
-        self._library = library
         self._started = params
         self._error: str | None = None
         # Why the controls, as they stand now, can not even be asked for.
         self._refusal: str | None = None
+        # What a run and what the making of a file told last; both have the same line on the page.
+        self._running: Progress | None = None
+        self._made: Progress | None = None
         self._theme()
         self.notices = Notices(client)
         self.desk = Desk(client, self.notices, palettes, Stage(client))
         self.keeper = Keeper(library, self._on_saved)
+        self.help = HelpCard(client.gui)
         self.looking = Looking(self.desk)
         # Sending another number of points takes longer than a slider's next event.
         redraw = self.notices.guard(lambda: self.redraw(is_new_cloud=True))
         self._redraws: Newest[None] = Newest(lambda _: redraw(), name=f"stair-points-{client.client_id}")
         offers = Offers(library.labels(), tuple(known_presets(params)), tuple(sweep_titles().values()))
         self.panel = Panel(client, offers, params, actions_of(self))
-        self.opening = Opening(client, library, self.keeper, self.panel, self.notices, params, kept)
+        self.opening = Opening(client, library, self.keeper, self.panel, self.notices, params, kept, end)
         self.results = Results(self.desk, self.panel)
-        self.tuning = Tuning(self.desk, self.panel, self, params)
-        self.comparing = Comparing(self.desk, self.panel, self, workshop)
+        self.checking = Checking(self.desk, self.panel, self.results, self)
+        self.making = Making(self.show_making, lambda: self.desk.is_closed)
+        self.tuning = Tuning(self.desk, self.panel, self, params, self.making)
+        self.comparing = Comparing(self.desk, self.panel, self, workshop, lambda: self.keeper.scan)
         self.deciding = Deciding(self.desk, self.panel, self.results, self.keeper, self)
-        self.exporting = Exporting(self.desk, self.panel, self.looking, self.keeper, self, self.show_making)
+        self.exporting = Exporting(
+            self.desk, self.panel, self.looking, self.keeper, self, self.making, self.checking.checked
+        )
+        views = SceneViews(self.desk, self.looking, self.results, self.redraw)
+        self.reporting = Reporting(
+            self.desk, self.panel, self.checking, self.keeper, self, views, self.making, self._show_changes
+        )
         self.region = RegionTool(self.desk, self.panel.scan, self.panel.controls, self)
         self.upright = UprightTool(self.desk, self, self._say_up)
         self.toolbar = add_toolbar(client.gui, self.panel, self.desk, self.looking, self.results, self)
@@ -103,7 +125,7 @@ class Session:
             self._show_work()
             self.submit()
         except BaseException:
-            self._end_threads()
+            self.close()
             raise
 
     def close(self) -> None:
@@ -124,23 +146,34 @@ class Session:
         """The work as it stands."""
         return self.keeper.work
 
-    def apply(self, params: Params, words: str) -> None:
-        """Set the controls to other settings and run."""
+    # Whoever holds both locks took the desk's first: nothing here may show anything while it holds the keeper's.
+
+    def adjust(self, change: Callable[[Params], Params], words: str = "") -> None:
+        """Change the settings as they stand at that moment, set the controls to them, and run."""
         with self.keeper.lock:
-            self.take_up(dataclasses.replace(self.work, params=params), words)
+            with contextlib.suppress(ConfigError):
+                # A control that was moved just now has not been asked for yet; it must not jump back.
+                self._read_controls()
+            before = self.work
+            params = change(before.params)
+            self._go_on(dataclasses.replace(before, params=params), words or words_of_change(before.params, params)[0])
+        self._show_work()
 
     def take_up(self, work: Work, words: str) -> None:
         """Go on with other work, all in one change, and run."""
         with self.keeper.lock:
-            self.panel.controls.load(work.params)
-            self.keeper.replace(work, words)
-            self._ask(work.params)
+            self._go_on(work, words)
+        self._show_work()
+
+    def edit(self, words: str, change: Callable[[Work], Changes], merge_key: str = "") -> None:
+        """Change other parts of the work, as it stands at that moment, and show them."""
+        with self.keeper.lock:
+            self.keeper.change(words, merge_key, **change(self.work))
         self._show_work()
 
     def change(self, words: str, **fields: Unpack[Changes]) -> None:
-        """Change other parts of the work, and show them."""
-        self.keeper.change(words, "", **fields)
-        self._show_work()
+        """Change other parts of the work, whatever they are now, and show them."""
+        self.edit(words, lambda _: fields)
 
     def undo(self) -> None:
         """Take the last change back."""
@@ -152,18 +185,17 @@ class Session:
 
     def reset(self) -> None:
         """Go back to the settings that the server was started with."""
-        self.apply(self._started, "reset to preset")
+        self.adjust(lambda _: self._started, "reset to preset")
 
     def submit(self) -> None:
         """Ask for a run with what the controls show now."""
         with self.keeper.lock:
             try:
-                params = self.panel.controls.read()
+                self._read_controls()
             except ConfigError as error:
                 self._refusal = str(error)
             else:
-                self.keeper.change(*words_of_change(self.work.params, params), params=params)
-                self._ask(params)
+                self._ask()
             refusal = self._refusal
         if refusal is not None:
             self._failed(refusal)
@@ -173,19 +205,21 @@ class Session:
     def pick(self, message: str) -> None:
         """Do what a click on a row, or a drag over the histogram, asks for."""
         word, _, value = str(message).partition(":")[0].partition(" ")
+        if word == RULE:
+            self.checking.pick(value)
+            return
         if word != REACH:
             self.results.pick(message)
             return
         if not value.isdecimal() or len(value) > 6:
             raise ConfigError(f"ε_z: got {value[:40]!r}; give a whole number of millimetres")
-        params = self.work.params.replaced("levels.eps_m", int(value) / 1000.0)
-        self.apply(params, words_of_change(self.work.params, params)[0])
+        self.adjust(lambda params: params.replaced("levels.eps_m", int(value) / 1000.0))
 
     def cancel(self) -> None:
         """Stop what is being computed or made for this page."""
         self.runs.cancel()
-        self.exporting.cancel()
-        self.comparing.stop_sweep()
+        self.making.cancel()
+        self.comparing.cancel()
 
     def _step(self, step: Callable[[], Work], *, can: bool, words: str) -> None:
         if not can:
@@ -193,25 +227,38 @@ class Session:
         with self.keeper.lock:
             work = step()
             self.panel.controls.load(work.params)
-            self._ask(work.params)
+            self._ask()
         self._show_work()
 
-    def _ask(self, params: Params) -> None:
-        """Hand a wish to the thread that computes; the keeper's lock is held."""
+    # The keeper's lock is held.
+
+    def _read_controls(self) -> None:
+        """Take the settings that the controls show into the work."""
+        params = self.panel.controls.read()
+        self.keeper.change(*words_of_change(self.work.params, params), params=params)
+
+    def _go_on(self, work: Work, words: str) -> None:
+        self.panel.controls.load(work.params)
+        self.keeper.replace(work, words)
+        self._ask()
+
+    def _ask(self) -> None:
+        """Hand a wish to the thread that computes."""
         self._refusal = None
-        label = self.keeper.label
-        self.runs.submit(Request(label, params), self._library.path(label))
+        self.runs.submit(Request(self.keeper.label, self.work.params), self.keeper.scan)
 
     # Scans.
 
     def choose_scan(self, label: str) -> None:
-        """Open another scan."""
-        with self.keeper.lock:
-            if not self.opening.choose(label):
-                return
-            self._ask(self.work.params)
-        self.desk.selected = self.desk.selected_patch = None
-        self._show_work()
+        """Open another scan. The page is empty until it is measured: what is done counts for it alone."""
+        with self.desk.lock, self._client.atomic():
+            with self.keeper.lock:
+                if not self.opening.choose(label):
+                    return
+                self._put_away()
+                self._ask()
+            self._show_work()
+            self._show_status(busy="opening …")
 
     def take_upload(self, file: Any) -> None:
         """Open an uploaded scan."""
@@ -220,24 +267,25 @@ class Session:
     # Runs: called on the thread that computes.
 
     def _find(self, request: Request, read: Callable[[Unit], Scan]) -> tuple[Request, Scan]:
-        """Read a scan; saved work that turns out to be another file's is put aside."""
+        """Read a scan; work that was done on another state of the file is put aside."""
         scan = read(request.params.unit)
         if self.opening.is_of(request.label, scan.sha256):
             return request, scan
         self._show_work()
-        params = self.work.params
+        with self.keeper.lock:
+            bench = self.keeper.bench(request.label)
+            params = bench.history.value.params if bench is not None else request.params
         return Request(request.label, params), read(params.unit)
 
     def _done(self, request: Request, scan: Scan, inspection: Inspection, prepared: Prepared) -> None:
         """Show a result, all of it at once."""
         desk = self.desk
         with desk.lock:
+            self._running = None
             if desk.is_closed or request.label != self.keeper.label:
                 return
             before = desk.shown
             is_new_scan = before is None or before.scan is not scan
-            if before is not None and is_new_scan and before.label == request.label and before.scan.unit == scan.unit:
-                self.notices.tell("File changed", f"{request.label} has changed and was read again")
             self.looking.know_normals(scan, prepared.normals)
             display = self.looking.display(scan) if is_new_scan or before is None else before.display
             shown = Shown(request.label, scan, display, inspection)
@@ -247,7 +295,6 @@ class Session:
             # A run that was under way may end after a control was set to something impossible: that stays said.
             self._error = self._refusal
             self.results.renew()
-            self.keeper.know_scan(request.label, scan.sha256)
             # The scene is turned upright only for another scan or another up: nothing jumps while a slider moves.
             is_new_view = (
                 is_new_scan or before is None or not np.array_equal(before.inspection.up.vector, inspection.up.vector)
@@ -258,13 +305,15 @@ class Session:
                 desk.stage.show_drawing(drawing, desk.palette, self.notices.guard(self.results.select))
                 self.results.show_histogram()
                 self.results.show_details()
-                self.results.show_selection(with_pictures=False)
+                self.checking.show()
+                self.reporting.show_readings()
                 self._show_legend()
                 self.tuning.know_heights(prepared.heights)
                 self.show_runs()
                 if is_new_view:
                     self.toolbar.show()
                     self.region.show()
+                    self.upright.show()
                 else:
                     self.toolbar.section.show()
                 # While a slider moves, the next run waits already; dimming the table each time would flicker.
@@ -279,6 +328,7 @@ class Session:
         with self.desk.lock:
             if words == CANCELLED and self.desk.shown is None:
                 words = "cancelled before anything was measured. Press Run again, or choose another scan"
+            self._running = None
             self._error = self._refusal or " ".join(words.split())
             with self._client.atomic():
                 self._show_status(is_stale=self.desk.shown is not None)
@@ -288,6 +338,7 @@ class Session:
         with self.desk.lock:
             if self.desk.is_closed or not self.runs.is_busy():
                 return
+            self._running = progress
             with self._client.atomic():
                 self._show_status(busy=progress.words, is_stale=self.desk.shown is not None, percent=progress.percent)
 
@@ -362,6 +413,17 @@ class Session:
         self.panel.scan.show_point_size(size_m)
         self.panel.header.content = html.header_html(shown.label, len(shown.scan.points), len(shown.display.points))
 
+    def _put_away(self) -> None:
+        """Clear the page of a result that belongs to a scan which is no longer open."""
+        desk = self.desk
+        desk.shown = desk.selected = desk.selected_patch = self._running = self._error = None
+        self.region.clear()
+        desk.stage.clear()
+        self.toolbar.section.show()
+        self.upright.show()
+        self.panel.show_waiting(self.keeper.label, desk.palette)
+        self.results.put_away()
+
     def _show_work(self) -> None:
         """Show everything about the work that is no setting."""
         with self.desk.lock, self._client.atomic():
@@ -369,11 +431,13 @@ class Session:
             self.opening.show()
             self.panel.export.title.value = self.work.title
             self.toolbar.views.show()
-            if self.desk.shown is not None and self.desk.shown.label == self.keeper.label:
-                self.toolbar.measure.show()
-                self.region.show()
+            self.checking.show()
+            self.reporting.show()
+            self._show_legend()
+            self.toolbar.measure.show()
+            self.region.show()
             self.show_runs()
-            self.exporting.show_saved(None, "")
+            self.exporting.show_saved()
 
     def _show_changes(self) -> None:
         history = self.keeper.history
@@ -381,17 +445,20 @@ class Session:
         self.tuning.show_preset()
 
     def _show_legend(self) -> None:
-        self.panel.show_legend(self.desk.palette, self.looking.legend, self.looking.color_mode)
+        self.panel.show_legend(self.desk.palette, self.looking.legend, self.looking.color_mode, self.results.marks)
 
     def show_making(self, words: str | None, percent: float) -> None:
         """Show how far the making of files is; None when it is over."""
         with self.desk.lock:
-            if words is not None:
-                self._show_status(busy=words, percent=percent)
-            else:
-                self._show_status(is_stale=self._error is not None)
+            self._made = None if words is None else Progress(words, percent)
+            if not self.desk.is_closed:
+                is_stale = self._error is not None or self._running is not None
+                self._show_status(is_stale=is_stale and self.desk.shown is not None)
 
     def _show_status(self, *, busy: str | None = None, is_stale: bool = False, percent: float | None = None) -> None:
+        going_on = self._made or self._running
+        if busy is None and going_on is not None:
+            busy, percent = going_on.words, going_on.percent
         error = self._error if busy is None else None
         self.panel.run.visible = error is not None and self._refusal is None
         self.panel.state.content = html.state_html(
@@ -403,11 +470,11 @@ class Session:
             cancel_uuid=self.panel.cancel._impl.uuid,
         )
 
-    def _on_saved(self, path: Any, error: str) -> None:
+    def _on_saved(self, words: str, is_failure: bool) -> None:
         if not self.desk.is_closed:
-            self.exporting.show_saved(path, error)
-            if error:
-                self.notices.tell("Not saved", error, is_failure=True)
+            self.exporting.show_saved()
+            if words:
+                self.notices.tell("Not saved" if is_failure else "Saved elsewhere", words, is_failure=is_failure)
 
     def _say_up(self, content: str) -> None:
         self.panel.scan.up_hint.content = content

@@ -5,26 +5,21 @@
 
 import base64
 import io
-import math
-from dataclasses import dataclass
 
 import numpy as np
 from PIL import Image
 
 from stair_inspector.files.palettes import Palette
-from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Scan, Step
-from stair_inspector.viewer.coloring import color_residuals, residual_legend, residual_limit, signed_distance
+from stair_inspector.report.pictures.coloring import color_residuals, residual_legend, residual_limit
+from stair_inspector.report.pictures.frames import SectionFrame, section_frame
+from stair_inspector.report.pictures.residuals import ResidualMap, residual_map
+from stair_inspector.report.units import Unit, length_text
 from stair_inspector.viewer.legends import legend_html
 from stair_inspector.viewer.markup import text
 from stair_inspector.viewer.section_svg import profile_svg
-from stair_inspector.viewer.sections import SectionFrame, cut, profile_of, section_frame
-from stair_inspector.viewer.units import Unit, length_text
+from stair_inspector.viewer.sections import cut, profile_of
 
-_POINTS_PER_CELL = 6.0
-_SMALLEST_CELL_M, _LARGEST_CELL_M = 0.004, 0.05
-_MOST_CELLS = 240
-"""Cells across a map: a landing of ten metres is still a small picture."""
 _SECTION_THICKNESS_M = 0.04
 _WIDTH = 420
 _MARGIN = 6
@@ -34,21 +29,6 @@ _BEFORE, _BEHIND, _BELOW, _ABOVE = 0.35, 1.5, 1.35, 0.75
 _USUAL_GOING_M, _USUAL_RISE_M = 0.28, 0.17
 _LONGEST_GOING_M = 0.45
 """Of a landing's going only so much is shown."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ResidualMap:
-    """Mean signed distance from a step's plane in each plan cell.
-
-    ``residuals_m`` (rows, columns): positive above, NaN where there are no points; the first row is the back of the
-    step and the first column its left, as seen by who climbs. ``back_m`` and ``left_m`` are the distances of that
-    corner from the middle of the frame, back along the climb and to the left.
-    """
-
-    residuals_m: Floats
-    cell_m: float
-    back_m: float
-    left_m: float
 
 
 def card_pictures(
@@ -61,28 +41,6 @@ def card_pictures(
         '<div data-testid="card-pictures" class="si-results" style="margin:0 9px 6px">'
         f"{residual_html(scan, inspection, step, unit)}{step_section_svg(scan, inspection, step, palette, unit)}</div>"
     )
-
-
-def residual_map(scan: Scan, inspection: Inspection, step: Step) -> ResidualMap | None:
-    """Return the map of a step's residuals, or None where the step has no plane."""
-    points = scan.points[np.nonzero(inspection.labels == step.step_id)[0]]
-    if step.plane.normal is None or not len(points):
-        return None
-    frame = section_frame(inspection, points, step.step_id)
-    offset = points - frame.origin
-    back, left = offset @ frame.climb, -(offset @ frame.right)
-    spans = max(float(np.ptp(back)), 1e-6), max(float(np.ptp(left)), 1e-6)
-    cell = math.sqrt(spans[0] * spans[1] * _POINTS_PER_CELL / len(points))
-    cell = max(float(np.clip(cell, _SMALLEST_CELL_M, _LARGEST_CELL_M)), max(spans) / _MOST_CELLS)
-    row = ((back.max() - back) / cell).astype(np.int64)
-    column = ((left.max() - left) / cell).astype(np.int64)
-    shape = (int(row.max()) + 1, int(column.max()) + 1)
-    place = row * shape[1] + column
-    counts = np.bincount(place, minlength=shape[0] * shape[1])
-    sums = np.bincount(place, weights=signed_distance(points, step.plane), minlength=len(counts))
-    means = np.full(len(counts), np.nan)
-    np.divide(sums, counts, out=means, where=counts > 0)
-    return ResidualMap(means.reshape(shape), cell, float(back.max()), float(left.max()))
 
 
 def residual_html(scan: Scan, inspection: Inspection, step: Step, unit: Unit = "mm") -> str:

@@ -13,9 +13,8 @@ import viser
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Colors
-from stair_inspector.viewer.cameras import Pose
-from stair_inspector.viewer.pictures import camera_wxyz
-from stair_inspector.viewer.scene import Stage
+from stair_inspector.report.pictures.cameras import Pose
+from stair_inspector.viewer.scene import Stage, quaternion
 
 _TIMEOUT_S = 60.0
 _FRAMES = 3
@@ -78,3 +77,24 @@ def place_camera(client: viser.ClientHandle, pose: Pose, fov_rad: float) -> None
         camera.position = pose.position
         # Setting the position drags the point looked at along.
         camera.look_at = pose.look_at
+
+
+_LEAST_SINE = 1e-9
+
+
+def camera_wxyz(pose: Pose) -> tuple[float, float, float, float]:
+    """Return the orientation of a camera as viser takes it: x to the right in the picture, y down, z into it.
+
+    Raises
+    ------
+    ConfigError
+        The camera looks nowhere, or straight along its upward direction: a page may send any numbers.
+    """
+    forward = pose.look_at - pose.position
+    right = np.cross(forward, pose.up)
+    # A comparison with something that is no number is False.
+    if not np.linalg.norm(right) > _LEAST_SINE * np.linalg.norm(forward) * np.linalg.norm(pose.up):
+        raise ConfigError("picture: the camera looks nowhere, or straight along its own upward direction; turn it")
+    forward = forward / np.linalg.norm(forward)
+    right /= np.linalg.norm(right)
+    return quaternion(np.column_stack([right, np.cross(forward, right), forward]))

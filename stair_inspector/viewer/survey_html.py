@@ -1,11 +1,14 @@
 """The survey's part of the side table, the card of the chosen step and the list of rejected surfaces, as HTML."""
 
 import math
+from collections.abc import Mapping
 
 from stair_inspector.files.palettes import Palette, Rgb
-from stair_inspector.model import Flight, Inspection, Measured, Note, Patch, Statistics, Step
-from stair_inspector.viewer.markup import DIM, FLIGHT, LINE, SURFACE, chip, mm, pick_script, row_start, table_head, text
-from stair_inspector.viewer.units import (
+from stair_inspector.model import Flight, Inspection, Measured, Note, Statistics, Step
+from stair_inspector.report.pictures.coloring import rejected_of
+from stair_inspector.report.pictures.frames import step_of
+from stair_inspector.report.pictures.segmentation import MOST_REJECTED, SURFACE
+from stair_inspector.report.units import (
     Shown,
     Unit,
     length_text,
@@ -15,9 +18,10 @@ from stair_inspector.viewer.units import (
     u_text,
     uncertainty_text,
 )
+from stair_inspector.viewer.markup import DIM, FLIGHT, LINE, chip, mm, pick_script, row_start, table_head, text
+from stair_inspector.viewer.remarks import on_page
+from stair_inspector.viewer.step_marks import StepMark, mark_html
 
-MOST_REJECTED = 30
-"""Rejected surfaces that are listed and named in the scene, the largest; a cluttered scan has hundreds."""
 NOT_OBSERVED = "not defined for this step, or not observed"
 LAST_OF_FLIGHT = "the last step of its flight has none"
 _TREAD_MISSING = "tread_missing"
@@ -51,8 +55,10 @@ def survey_rows(
     pick_uuid: str | None,
     unit: Unit = "mm",
     folded: frozenset[int] = frozenset(),
+    marks: Mapping[int, StepMark] | None = None,
 ) -> str:
     """Return the rows of the survey's table: for each flight its headline, then, unless folded, a row for each step."""
+    marks = marks or {}
     rows = []
     for flight, steps in _by_flight(inspection):
         is_folded = flight is not None and flight.flight_id in folded
@@ -63,7 +69,17 @@ def survey_rows(
         if not is_folded:
             worst = _worst_of(flight)
             rows += [
-                _step_row(inspection, step, palette, step.step_id == selected, pick_uuid, unit, worst) for step in steps
+                _step_row(
+                    inspection,
+                    step,
+                    palette,
+                    step.step_id == selected,
+                    pick_uuid,
+                    unit,
+                    worst,
+                    marks.get(step.step_id),
+                )
+                for step in steps
             ]
     return "".join(rows)
 
@@ -75,7 +91,7 @@ def card_html(inspection: Inspection | None, selected: int | None, palette: Pale
         return '<div data-testid="card"></div>'
     notes = notes_of(inspection, step.step_id)
     flight = f" · flight {step.flight}" if step.flight is not None else ""
-    told = "".join(f"<li>{text(note.message)}</li>" for note in notes)
+    told = "".join(f"<li>{text(on_page(note.message))}</li>" for note in notes)
     told = f'<ul style="margin:4px 0 0;padding-left:16px">{told}</ul>' if told else ""
     return (
         '<div data-testid="card" class="si-results" style="font-size:12px;line-height:1.35;margin:2px 9px 6px;'
@@ -124,18 +140,6 @@ def rejected_html(
         '<table data-testid="rejected-table" style="border-collapse:collapse;width:100%;'
         f'font-variant-numeric:tabular-nums">{head}<tbody>{rows}</tbody></table>{none}{more}</div>'
     )
-
-
-def rejected_of(inspection: Inspection) -> list[Patch]:
-    """Return the rejected surfaces, the largest first."""
-    rejected = [patch for patch in inspection.patches if patch.kind == "rejected"]
-    return sorted(rejected, key=lambda patch: (-patch.area_m2, patch.patch_id))
-
-
-def step_of(inspection: Inspection | None, step_id: int | None) -> Step | None:
-    """Return the step with a number, or None."""
-    steps = inspection.steps if inspection is not None else ()
-    return next((step for step in steps if step.step_id == step_id), None)
 
 
 def notes_of(inspection: Inspection, step_id: int) -> list[Note]:
@@ -224,6 +228,7 @@ def _step_row(
     pick_uuid: str | None,
     unit: Unit,
     worst: dict[str, Statistics],
+    mark: StepMark | None,
 ) -> str:
     def worst_words(name: str) -> str:
         statistics = worst.get(name)
@@ -242,7 +247,7 @@ def _step_row(
     return (
         f"{row_start(pick_uuid, step.step_id, '', is_selected=is_selected)}"
         '<td style="padding:2px 4px;white-space:nowrap">'
-        f"{chip(palette.of_step(step.step_id))} {step.step_id}{name}</td>"
+        f"{chip(palette.of_step(step.step_id))} {step.step_id}{mark_html(mark)}{name}</td>"
         f"{''.join(cells)}</tr>"
     )
 

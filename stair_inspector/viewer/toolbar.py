@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import viser
 
-from stair_inspector.viewer.cameras import VIEWS
+from stair_inspector.report.pictures.cameras import VIEWS
+from stair_inspector.report.units import UNITS
 from stair_inspector.viewer.desk import Desk, Editor
 from stair_inspector.viewer.looking import Looking
 from stair_inspector.viewer.overlay import Tool, toolbar_html
@@ -13,7 +14,7 @@ from stair_inspector.viewer.results import Results
 from stair_inspector.viewer.scene import MODES
 from stair_inspector.viewer.tools.measure import MeasureTool
 from stair_inspector.viewer.tools.section import SectionTool
-from stair_inspector.viewer.tools.views import ViewTool
+from stair_inspector.viewer.tools.views import TARGETS, ViewTool
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,12 +24,41 @@ class Toolbar:
     views: ViewTool
     section: SectionTool
     measure: MeasureTool
+    panel: Panel
+    desk: Desk
 
     def show(self) -> None:
         """Show what belongs to the present work and result."""
         self.views.show()
         self.section.show()
         self.measure.show()
+        self.show_buttons()
+
+    def show_buttons(self) -> None:
+        """Show the buttons over the scene, and which of them are on."""
+        desk, panel = self.desk, self.panel
+        modes, cameras, targets = self.views.control_uuids
+        dark, help_button = (control._impl.uuid for control in (panel.dark, panel.help))
+        theme = Tool("Light" if desk.is_dark else "Dark", "Light or dark theme (key T)", dark, not desk.is_dark)
+        content = toolbar_html(
+            (
+                tuple(
+                    Tool(mode, f"Show: {mode} (key {key})", modes, mode, mode == desk.stage.mode)
+                    for key, mode in enumerate(MODES, start=7)
+                ),
+                tuple(
+                    Tool(view, f"View: {view} (key {key})", cameras, view) for key, view in enumerate(VIEWS, start=1)
+                ),
+                (Tool("Step", "Look at the chosen step (key F)", targets, TARGETS[0]),),
+                tuple(
+                    Tool(unit, f"Lengths in {unit} (key U)", panel.unit.uuid, unit, unit == desk.unit) for unit in UNITS
+                ),
+                (theme, Tool("Help", "Keys and mouse (key H)", help_button, True)),
+            )
+        )
+        # Sent only where it differs: it takes its place over the scene anew.
+        if panel.toolbar.content != content:
+            panel.toolbar.content = content
 
 
 def add_toolbar(
@@ -41,12 +71,7 @@ def add_toolbar(
             section = SectionTool(gui, desk, looking, results)
         with gui.add_folder("Measure"):
             measure = MeasureTool(gui, desk, looking, editor, lambda: section.display)
-    modes, cameras, targets = views.control_uuids
-    panel.toolbar.content = toolbar_html(
-        (
-            tuple(Tool(mode, f"Show: {mode}", modes, mode) for mode in MODES),
-            tuple(Tool(view, f"View: {view} (key {key})", cameras, view) for key, view in enumerate(VIEWS, start=1)),
-            (Tool("Step", "Look at the chosen step (key S)", targets, "Chosen step"),),
-        )
-    )
-    return Toolbar(views, section, measure)
+    toolbar = Toolbar(views, section, measure, panel, desk)
+    toolbar.show_buttons()
+    views.on_mode = toolbar.show_buttons
+    return toolbar

@@ -7,12 +7,14 @@ from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.settings import Preset, list_presets, parse_preset, preset_bytes
 from stair_inspector.model import HeightOrder
 from stair_inspector.params import Params
+from stair_inspector.report.pictures.picture import safe_name
 from stair_inspector.stages.suggest import Suggestion, suggest_settings
 from stair_inspector.viewer.controls import title_of_setting, value_words
 from stair_inspector.viewer.desk import Desk, Editor
+from stair_inspector.viewer.making import Making
 from stair_inspector.viewer.markup import DIM, text
 from stair_inspector.viewer.panel import Panel
-from stair_inspector.viewer.pictures import safe_name
+from stair_inspector.viewer.tabs.tune import OWN_PRESET
 
 STARTED_WITH = "as started"
 """In the preset menu, the settings that the server was started with, where they are those of no preset."""
@@ -23,7 +25,8 @@ _LARGEST_PRESET_BYTES = 200_000
 class Tuning:
     """The Tune tab's presets and suggestions."""
 
-    def __init__(self, desk: Desk, panel: Panel, editor: Editor, started: Params) -> None:
+    def __init__(self, desk: Desk, panel: Panel, editor: Editor, started: Params, making: Making) -> None:
+        self._making = making
         self._desk = desk
         self._panel = panel
         self._editor = editor
@@ -40,7 +43,7 @@ class Tuning:
             if title == self._panel.tune.preset.value and title not in self._presets:
                 return
             raise ConfigError(f"preset: got {str(title)[:40]!r}; choose one of the menu")
-        self._editor.apply(_of_scan(self._editor.work.params, preset), f"preset {title}")
+        self._editor.adjust(lambda params: _of_scan(params, preset), f"preset {title}")
 
     def save_preset(self) -> None:
         """Download the present settings as a preset file, without what belongs to this scan alone."""
@@ -54,11 +57,13 @@ class Tuning:
         if len(file.content) > _LARGEST_PRESET_BYTES:
             raise ConfigError(f"{file.name[:60]}: is too large for a preset; give a TOML file of settings")
         preset = parse_preset(file.content, file.name[:80])
+        if preset.title in (OWN_PRESET, STARTED_WITH):
+            raise ConfigError(f"preset: {preset.title!r} is a word of the menu; give the preset another title")
         if len(self._presets) >= _MOST_PRESETS and preset.title not in self._presets:
             raise ConfigError(f"preset: this page has {_MOST_PRESETS}, which is the most; load the page again")
         self._presets[preset.title] = preset.params
         self.show_preset()
-        self._editor.apply(_of_scan(self._editor.work.params, preset.params), f"preset {preset.title}")
+        self._editor.adjust(lambda params: _of_scan(params, preset.params), f"preset {preset.title}")
 
     def show_preset(self) -> None:
         """Show which preset's settings are set."""
@@ -78,12 +83,14 @@ class Tuning:
     def suggest(self) -> None:
         """Propose settings and say why."""
         self._desk.result("suggest settings")
-        if self._heights is None:
+        heights = self._heights
+        if heights is None:
             raise ConfigError("suggest settings: the scan is not prepared yet; wait for the first result")
         panel = self._panel.tune
         try:
-            with self._desk.notices.working("Looking at spacing, noise and heights …"):
-                self._suggestion = suggest_settings(self._heights, self._editor.work.params)
+            self._suggestion = self._making.make(
+                "the suggestion", lambda _: suggest_settings(heights, self._editor.work.params)
+            )
         except StairError as error:
             panel.show_suggestion(_suggestion_html(None, str(error)), is_there=False)
         else:
@@ -93,10 +100,14 @@ class Tuning:
         """Use what was proposed."""
         if self._suggestion is None:
             raise ConfigError("suggest settings: there is no suggestion; ask for one first")
-        params = self._editor.work.params
-        for reason in self._suggestion.reasons:
-            params = params.replaced(reason.name, self._suggestion.params.value(reason.name))
-        self._editor.apply(params, "suggested settings")
+        suggestion = self._suggestion
+
+        def take(params: Params) -> Params:
+            for reason in suggestion.reasons:
+                params = params.replaced(reason.name, suggestion.params.value(reason.name))
+            return params
+
+        self._editor.adjust(take, "suggested settings")
 
 
 def known_presets(started: Params) -> dict[str, Params]:

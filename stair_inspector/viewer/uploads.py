@@ -9,9 +9,9 @@ import viser._messages
 from stair_inspector.errors import StairError
 
 _SHOWN_S = 15.0
-LARGEST_SMALL_BYTES = 5_000_000
-"""Of uploads that are no scans: presets and projects."""
-SMALL_SUFFIXES = (".toml", ".json")
+LARGEST_SMALL_BYTES = 20_000_000
+"""Of uploads that are no scans: presets, rule files, projects and pictures for the report."""
+SMALL_SUFFIXES = (".toml", ".json", ".png", ".jpg", ".jpeg")
 
 
 def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None]) -> None:
@@ -29,7 +29,7 @@ def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None])
         try:
             _check(str(message.filename), message.size_bytes, check)
         except StairError as error:
-            # The page waits for the parts to be acknowledged, and shows so.
+            # The page waits for the parts to be acknowledged, and would then say that all went well.
             connection.queue_message(
                 viser._messages.FileTransferPartAck(
                     source_component_uuid=message.source_component_uuid,
@@ -38,6 +38,7 @@ def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None])
                     total_bytes=message.size_bytes,
                 )
             )
+            connection.queue_message(viser._messages.RemoveNotificationMessage(f"upload-{message.transfer_uuid}"))
             client.add_notification("Not done", str(error), color="red", auto_close_seconds=_SHOWN_S)
             return
         gui._handle_file_transfer_start(client_id, message)

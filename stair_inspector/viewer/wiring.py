@@ -4,8 +4,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from stair_inspector.viewer.panel import Actions
-from stair_inspector.viewer.shortcuts import Command, add_commands, show_help
+from stair_inspector.viewer.shortcuts import Command, add_commands
+from stair_inspector.viewer.tabs.checks import ChecksActions
 from stair_inspector.viewer.tabs.export import ExportActions
+from stair_inspector.viewer.tabs.report import DOCUMENTS, DRAWINGS, EVERYTHING, ReportActions
 from stair_inspector.viewer.tabs.scan import ScanActions
 from stair_inspector.viewer.tabs.steps import StepsActions
 from stair_inspector.viewer.tabs.tune import TuneActions
@@ -47,6 +49,7 @@ def actions_of(session: "Session") -> Actions:
             on_take_suggestion=to(lambda: session.tuning.take_suggestion),
             on_keep_run=to(lambda: session.comparing.keep),
             on_compare=to(lambda: session.comparing.compare_with),
+            on_compare_to=to(lambda: session.comparing.compare_to),
             on_take_run=to(lambda: session.comparing.take_settings),
             on_delete_run=to(lambda: session.comparing.forget),
             on_sweep=to(lambda: session.comparing.sweep),
@@ -61,10 +64,31 @@ def actions_of(session: "Session") -> Actions:
             on_texts=to(lambda: session.deciding.submit_texts),
             on_clear_overrules=to(lambda: session.deciding.clear),
         ),
+        checks=ChecksActions(
+            on_rules=to(lambda: session.checking.choose),
+            on_overlay=to(lambda: session.checking.choose_overlay),
+            on_decision=to(lambda: session.checking.choose_decision),
+            on_rule=to(lambda: session.checking.choose_rule),
+            on_edit=to(lambda: session.checking.edit),
+            on_revert=to(lambda: session.checking.revert),
+            on_revert_all=to(lambda: session.checking.revert_all),
+            on_own_file=to(lambda: session.checking.take_file),
+            on_copy=to(lambda: session.checking.save_copy),
+            on_forget_file=to(lambda: session.checking.forget_file),
+        ),
         export=ExportActions(
             on_title=to(lambda: session.exporting.set_title),
             on_download=to(lambda: session.exporting.download),
             on_open_project=to(lambda: session.exporting.open_project),
+            report=ReportActions(
+                on_make=to(lambda: session.reporting.make),
+                on_text=to(lambda: session.reporting.set_text),
+                on_paper=to(lambda: session.reporting.set_paper),
+                on_add_reading=to(lambda: session.reporting.add_reading),
+                on_reading_order=to(lambda: session.reporting.obey),
+                on_logo=to(lambda: session.reporting.take_logo),
+                on_remove_logo=to(lambda: session.reporting.remove_logo),
+            ),
         ),
         on_settings=to(lambda: session.submit),
         on_pick=to(lambda: session.pick),
@@ -72,7 +96,7 @@ def actions_of(session: "Session") -> Actions:
         on_run=to(lambda: session.submit),
         on_unit=to(lambda: session.set_unit),
         on_theme=to(lambda: session.set_theme),
-        on_help=to(lambda: lambda: show_help(session.desk.client.gui, commands_of(session))),
+        on_help=to(lambda: lambda: session.help.switch(commands_of(session))),
     )
 
 
@@ -87,7 +111,8 @@ def commands_of(session: "Session") -> tuple[Command, ...]:
     return (
         Command("Next step up", with_value(session.results.move, 1), "arrowup"),
         Command("Next step down", with_value(session.results.move, -1), "arrowdown"),
-        Command("Look at the chosen step", guard(views.look_at_step), "S"),
+        Command("Next step outside a limit", guard(session.checking.next_outside), "N"),
+        Command("Look at the chosen step", guard(views.look_at_step), "F"),
         Command("Home view", with_value(views.set_view, "Home"), "1"),
         Command("Front view", with_value(views.set_view, "Front"), "2"),
         Command("Side view", with_value(views.set_view, "Side"), "3"),
@@ -103,13 +128,15 @@ def commands_of(session: "Session") -> tuple[Command, ...]:
         Command("Undo", guard(session.undo), "Z", "cmd/ctrl"),
         Command("Redo", guard(session.redo), "Z", "cmd/ctrl+shift"),
         Command("Millimetres or inches", guard(lambda: _other_unit(session)), "U"),
-        Command("Light or dark theme", guard(lambda: _other_theme(session)), "D"),
+        Command("Light or dark theme", guard(lambda: _other_theme(session)), "T"),
         Command("Put the selection or tool away", guard(lambda: _escape(session)), "escape"),
-        Command("This help", guard(lambda: show_help(session.desk.client.gui, commands_of(session))), "H"),
+        Command("This help", guard(lambda: session.help.switch(commands_of(session))), "H"),
         Command("Download CSV", with_value(session.exporting.download, "CSV")),
         Command("Download JSON", with_value(session.exporting.download, "JSON")),
         Command("Screenshot", with_value(session.exporting.download, "Screenshot PNG"), "P"),
         Command("Download all standard views", with_value(session.exporting.download, "All views ZIP")),
+        Command("Report: everything in one ZIP", with_value(session.reporting.make, EVERYTHING)),
+        *(Command(f"Report: {kind}", with_value(session.reporting.make, kind)) for kind in (*DOCUMENTS, *DRAWINGS)),
         Command("Download the project", with_value(session.exporting.download, "Project file")),
         Command("Suggest settings", guard(session.tuning.suggest)),
         Command("Run again", guard(session.submit), "R"),
@@ -142,6 +169,8 @@ def _other_theme(session: "Session") -> None:
 
 
 def _escape(session: "Session") -> None:
+    if session.help.close() or session.toolbar.section.put_card_away():
+        return
     if session.toolbar.measure.step_back():
         return
     session.upright.stop()

@@ -11,8 +11,10 @@ import jsonschema
 import pytest
 from hypothesis import given
 
+from stair_inspector.codes import Limit, RuleEdit
 from stair_inspector.errors import ConfigError, WriteError
 from stair_inspector.files import atomic
+from stair_inspector.files.chosen_rules import ChosenRules, RuleFile
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.projects import (
     LARGEST_BYTES,
@@ -33,6 +35,7 @@ SHA = "0123456789abcdef" * 4
 CHANGED = Params()
 for _name, _value in CHANGES.items():
     CHANGED = CHANGED.replaced(_name, _value)
+OWN_RULES = (static_configs() / "codes" / "us-irc-2024.toml").read_text("utf-8").replace("us-irc-2024", "my-rules", 1)
 FULL = Project(
     scan_file="Halle ß.ply",
     scan_sha256=SHA,
@@ -44,6 +47,18 @@ FULL = Project(
     ),
     views=(SavedView("from the door", (1.0, 2.0, 3.0), (0.0, 0.0, 0.5), (0.0, 0.0, 1.0), 45.0),),
     runs=(KeptRun("A", Params()), KeptRun("B", CHANGED)),
+    rules=ChosenRules(
+        set_id="us-ibc-2021",
+        overlay_ids=("us-nfpa-101-uniformity",),
+        decision="simple",
+        edits=(RuleEdit("riser", "maximum", Limit.of("7", "in"), Limit.of("180", "mm"), "agreed with the client"),),
+        files=(RuleFile("mine.toml", OWN_RULES),),
+    ),
+    report={
+        "fields": {"client": "Halle ß GmbH", "purpose": "two\nlines"},
+        "checklist": {"lighting": "two lamps out"},
+        "readings": [{"quantity": "rise", "value": 0.171, "step": 2, "line": "centre", "u": 0.0005}],
+    },
 )
 NAMES = st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), min_size=1, max_size=50).filter(
     lambda text: text.strip()
@@ -132,6 +147,12 @@ def test_a_setting_that_an_older_file_does_not_name_has_its_default():
     )
 
 
+def test_a_file_from_before_there_were_rules_and_reports_can_still_be_read():
+    old = parse_project(document(rules=..., report=...), "a")
+    assert (old.rules, old.report) == (ChosenRules(), {})
+    assert (old.params, old.runs) == (FULL.params, FULL.runs)
+
+
 def test_whole_numbers_are_numbers():
     assert Measurement("m", ((1, 2, 3),)).points_m == ((1.0, 2.0, 3.0),)
     assert parse_project(document(views__0__fov_deg=45), "a") == FULL
@@ -206,6 +227,34 @@ def test_saving_that_fails_leaves_the_old_project(tmp_path, monkeypatch):
         ({"views__0__look_at_m": [1, 2, 3]}, "views, entry 1: view 'from the door': look_at_m: is the camera's own"),
         ({"runs__1__settings__up": "upp"}, "runs, entry 2: settings: up: got 'upp'; give auto, x, y, z, -x, -y, -z, "),
         ({"runs__0__name": ""}, "runs, entry 1: a run's name: is empty; give a name"),
+        ({"runs__0__name": "none"}, "runs: 'none' is a word of the menu and cannot be a name; choose another"),
+        (
+            {"measurements__1__name": "landing corner"},
+            "measurements: the name 'landing corner' is taken; choose another",
+        ),
+        ({"rules": []}, "rules: got []; give a table with set, overlays, decision, edits, files"),
+        ({"rules__overlay": []}, "rules: unknown key 'overlay'; did you mean 'overlays'?"),
+        ({"rules__set": ...}, "rules: the key 'set' is missing; give it, or another file"),
+        ({"rules__set": 7}, "rules: set 7: give up to 80 small letters"),
+        ({"rules__set": "../x"}, "rules: set '../x': give up to 80 small letters"),
+        ({"rules__overlays": "us-nfpa-101-uniformity"}, "rules: overlays: got 'us-nfpa-101-uniformity'; give a list"),
+        ({"rules__overlays": ["a"] * 21}, "rules: 21 overlay_ids; keep at most 20"),
+        ({"rules__overlays": [[]]}, "rules: overlay []: give up to 80 small letters"),
+        ({"rules__decision": "strict"}, "rules: decision: got 'strict'; give one of guarded, simple"),
+        ({"rules__edits": [{}] * 501}, "rules: 501 edits; keep at most 500"),
+        ({"rules__edits__0__sid": "x"}, "rules: edit 1: unknown key 'sid'; did you mean 'side'?"),
+        ({"rules__edits__0__side": "top"}, "rules: edit 1: side: got 'top'; give minimum or maximum"),
+        ({"rules__edits__0__reason": ""}, "rules: edit 1: reason: got ''; give one line of text"),
+        ({"rules__edits__0__reason": "a\nb"}, "rules: edit 1: reason: got 'a\\nb'; give one line of text"),
+        ({"rules__edits__0__after": 7}, "rules: edit 1: after: got 7; give a table with written, unit"),
+        ({"rules__edits__0__after__written": 7}, "rules: edit 1: after: got {'written': 7, 'unit': 'mm'}; give two te"),
+        ({"rules__edits__0__after__unit": "yd"}, "rules: edit 1: after: unit 'yd' is not known; give one of m, cm, mm"),
+        ({"rules__files__0__text": 7}, "rules: file 1: mine.toml: got 7; give the text of a rule file"),
+        ({"rules__files__0__text": "x"}, "rules: file 1: mine.toml: is not valid TOML ("),
+        ({"rules__files__0__text": OWN_RULES.replace("riser", "x\n", 1)}, "rules: file 1: mine.toml: "),
+        ({"rules__files__0__name": "a\nb"}, "rules: file 1: rule file: got the name 'a\\nb'; give one line of letters"),
+        ({"rules__files": [{"name": "a.toml", "text": OWN_RULES}] * 2}, "rules: two own files have the id 'my-rules'"),
+        ({"report": []}, "report: got '[]'; give a table"),
     ],
 )
 def test_the_sentence_for_a_wrong_project(changes, text):
@@ -223,7 +272,7 @@ def test_the_sentence_for_a_wrong_project(changes, text):
         (b'{"schema": ' + b"9" * 5000 + b"}", "is no project file: not valid JSON ("),
         (b'{"schema": NaN}', "holds NaN, which is no number; mend that place"),
         (b'{"a": 1, "a": 2}', "the key 'a' stands twice in one table; keep one of them"),
-        (b" " * (LARGEST_BYTES + 1), "is larger than 4 MB, which no project file is; give another"),
+        (b" " * (LARGEST_BYTES + 1), "is larger than 20 MB, which no project file is; give another"),
     ],
     ids=["empty", "scan", "list", "binary", "deep", "huge_number", "nan", "twice", "large"],
 )
@@ -281,8 +330,8 @@ def test_a_project_that_grew_too_large_is_refused_before_it_is_written(tmp_path)
     save_project(path, FULL)
     force = "; ".join(["level:3=rejected (" + "x" * 290 + ")"] * 1000)
     large = Params().replaced("overrules.force", force)
-    with pytest.raises(ConfigError, match=r"the project has [\d,]+ bytes, more than the 4,000,000"):
-        save_project(path, Project("a.ply", SHA, runs=tuple(KeptRun(str(k), large) for k in range(20))))
+    with pytest.raises(ConfigError, match=r"the project has [\d,]+ bytes, more than the 20,000,000"):
+        save_project(path, Project("a.ply", SHA, runs=tuple(KeptRun(str(k), large) for k in range(80))))
     assert read_project(path) == FULL
 
 

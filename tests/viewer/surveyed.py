@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 
 from stair_inspector.files.palettes import read_palette
-from stair_inspector.model import Flight, Measured, Note, Patch, Statistics
+from stair_inspector.model import Flight, Measured, Note, Patch, Scan, Statistics
 from stair_inspector.pipeline import inspect
-from stair_inspector.viewer.display import choose_display
+from stair_inspector.report.pictures.display import choose_display
 from tests.synthetic import Stair, exact_params, make_scan, motion
 
 PALETTE = read_palette("page")
@@ -65,6 +65,16 @@ def surveyed(turn=None):
     paper = inspect(scan, exact_params(up=stair.up, method="paper"))
     inspection = dataclasses.replace(paper, params=exact_params(up=stair.up))
     return scan, survey(inspection, turn=turn), choose_display(scan)
+
+
+def bumped(turn, height_m=0.01):
+    """The stair with a bump on the front left quarter of step 2; its planes stay those of the even step."""
+    scan, inspection, display = surveyed(turn)
+    own = scan.points @ turn
+    is_bump = (inspection.labels == 2) & (own[:, 0] < GOING * 1.5) & (own[:, 1] > WIDTH / 2.0)
+    points = scan.points + np.where(is_bump[:, None], height_m * turn[:, 2], 0.0)
+    bumpy = Scan(points, scan.origin_m, scan.name, scan.sha256, "m", scan.n_points)
+    return bumpy, inspection, display
 
 
 def _step(step, turn, n):

@@ -208,11 +208,12 @@ def test_the_details_name_the_settings_that_were_used_and_every_note(inspection)
 
 def test_nothing_that_comes_from_a_file_becomes_markup(inspection):
     hostile = dataclasses.replace(inspection, notes=(Note(HOSTILE, "read", HOSTILE),), timings_s={HOSTILE: 0.001})
+    quiet = dataclasses.replace(inspection, notes=())
     sources = [
         html.header_html(HOSTILE, 10, 5),
         html.details_html(hostile),
-        html.state_html(inspection, busy=None, error=HOSTILE, is_stale=False),
-        html.state_html(inspection, busy=HOSTILE, error=None, is_stale=False),
+        html.state_html(quiet, busy=None, error=HOSTILE, is_stale=False),
+        html.state_html(quiet, busy=HOSTILE, error=None, is_stale=False),
     ]
     for source in sources:
         page = Page(source)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from stair_inspector.viewer.legends import Legend, Ramp, colors_on, legend_html
+from stair_inspector.report.pictures.legends import Legend, Ramp, colors_on
+from stair_inspector.viewer.legends import legend_html
 from tests.viewer.test_html import HOSTILE, Page
 
 RAMP = Ramp(((0, 0, 0), (100, 200, 50), (255, 255, 255)), ((0.0, "−5"), (0.5, "0"), (1.0, "+5")))

@@ -8,6 +8,7 @@ import pytest
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.projects import Measurement
+from stair_inspector.report.units import length_text
 from stair_inspector.viewer.markup import pick_script
 from stair_inspector.viewer.measuring import (
     ORDERS,
@@ -113,7 +114,7 @@ def test_one_is_renamed_or_deleted_and_the_others_stay():
     "message", ["", "delete", "delete x:1", "erase 1:2", "delete -1:2", None, "show 99999999", "delete ²:1"]
 )
 def test_an_order_that_no_row_sends_is_refused(message):
-    with pytest.raises(ConfigError, match="choose a row of the list"):
+    with pytest.raises(ConfigError, match="choose one of its rows"):
         read_order(message)
 
 
@@ -164,7 +165,8 @@ def test_a_distance_is_drawn_between_its_points_with_its_legs_at_a_right_angle(t
     assert np.linalg.norm(level[1] - level[0]) == pytest.approx(0.5, abs=1e-7)
     np.testing.assert_allclose(upright[1], level[0])
     np.testing.assert_allclose(np.sort([line[0], line[1]], axis=0), np.sort([upright[0], level[1]], axis=0), atol=1e-7)
-    assert [words for _, words, _ in drawing.labels] == ["↕ 1200.0 mm", "↔ 500.0 mm", "Distance 1: 1300.0 mm"]
+    signed = length_text(sign * 1.2, "mm")
+    assert [words for _, words, *_ in drawing.labels] == [f"↕ {signed}", "↔ 500.0 mm", "Distance 1: 1300.0 mm"]
     np.testing.assert_allclose(drawing.labels[2][2], line.mean(axis=0))
 
 
@@ -172,7 +174,7 @@ def test_a_distance_along_one_direction_has_no_legs_that_would_cover_it():
     for move in ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)):
         drawing = drawing_of((distance((0, 0, 0), move),), None, (0.0, 0.0, 0.0), UP, "in")
         assert drawing.legs.shape == (0, 2, 3)
-        assert [words for _, words, _ in drawing.labels] == ["Distance 1: 39 3/8 in"]
+        assert [words for _, words, *_ in drawing.labels] == ["Distance 1: 39 3/8 in"]
 
 
 def test_points_and_the_one_that_waits_are_marked_where_they_were_picked():
@@ -180,9 +182,12 @@ def test_points_and_the_one_that_waits_are_marked_where_they_were_picked():
     entries = (Measurement("sill", (tuple(sill),)), distance(FAR, FAR + UP))
     drawing = drawing_of(entries, tuple(first), tuple(FAR), UP, "mm")
     np.testing.assert_allclose(drawing.points, [[1, 2, 3], [0, 0, 0], [0, 0, 1], [0.5, 0, 0]], atol=1e-8)
-    names = [name for name, _, _ in drawing.labels]
+    names = [name for name, *_ in drawing.labels]
     assert len(set(names)) == len(names)
-    assert drawing.labels[0][1] == "sill: 455124.250, 5412347.500, 313.125 m"
+    # Only one measurement has all its values in the scene; the list has those of all.
+    assert drawing.labels[0][1] == "sill"
+    detailed = drawing_of(entries, tuple(first), tuple(FAR), UP, "mm", detailed=0)
+    assert detailed.labels[0][1] == "sill: 455124.250, 5412347.500, 313.125 m"
     assert drawing.labels[-1][1] == "first point"
     empty = drawing_of((), None, (0.0, 0.0, 0.0), UP, "mm")
     assert (empty.lines.shape, empty.legs.shape, empty.points.shape, empty.labels) == ((0, 2, 3), (0, 2, 3), (0, 3), ())

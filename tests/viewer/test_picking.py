@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from stair_inspector.viewer.cameras import FOV_RAD, ORTHO_FOV_RAD, frame_view
+from stair_inspector.report.pictures.cameras import FOV_RAD, ORTHO_FOV_RAD, frame_view
+from stair_inspector.report.pictures.frames import section_frame
+from stair_inspector.report.pictures.segmentation import extent_of, view_from_local
 from stair_inspector.viewer.picking import cone_of, find_nearest, owner_text, pick_of, ray_of
-from stair_inspector.viewer.scene import extent_of, view_from_local
-from stair_inspector.viewer.sections import cut, is_in, section_frame
+from stair_inspector.viewer.sections import cut, is_in
 from tests.synthetic import rotation
 from tests.viewer.surveyed import GOING, RISE, surveyed
 
@@ -27,11 +28,11 @@ def camera(measured, view="Home", fov_rad=FOV_RAD):
     return frame_view(view, extent_of(display.points @ rotation_.T), ASPECT, np.eye(3), fov_rad), rotation_
 
 
-def click(measured, target, pose, turn, fov_rad=FOV_RAD, is_shown=None):
+def click(measured, target, pose, turn, fov_rad=FOV_RAD, points=None):
     """The row that a click on the pixel of a local point means."""
     place = turn @ target
     ray = ray_of(tuple(pose.position), tuple(3.0 * (place - pose.position)), turn)
-    return find_nearest(measured[2].points, ray, cone_of(fov_rad, HEIGHT), is_shown)
+    return find_nearest(measured[2].points if points is None else points, ray, cone_of(fov_rad, HEIGHT))
 
 
 def angle_of(target, point, pose, turn):
@@ -92,8 +93,10 @@ def test_what_a_section_hides_cannot_be_picked(measured):
     target = display.points[np.nonzero(inside & (inspection.labels[display.point_ids] == 3))[0][0]]
     # Seen from the right, the side of the stair is in front of the section.
     assert not inside[click(measured, target, pose, turn)]
-    assert inside[click(measured, target, pose, turn, is_shown=inside)]
-    assert click(measured, target, pose, turn, is_shown=np.zeros(len(inside), dtype=bool)) is None
+    # In a section only its own points are drawn.
+    drawn = display.points[inside]
+    np.testing.assert_allclose(drawn[click(measured, target, pose, turn, points=drawn)], target, atol=0.02)
+    assert click(measured, target, pose, turn, points=drawn[:0]) is None
 
 
 def test_side_by_side_the_cloud_on_the_right_is_picked_where_it_stands(measured):

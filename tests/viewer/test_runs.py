@@ -144,3 +144,29 @@ def test_closing_gives_up_what_was_being_computed_and_says_nothing(made):
     await_true(lambda: not runs.is_busy() or told.failed)
     time.sleep(0.1)
     assert told.failed == told.done == []
+
+
+def test_a_run_that_waits_is_cancelled_with_the_one_in_progress(made):
+    runs, workshop, told = made
+    runs.submit(Request("a", HEAVY), "path")
+    assert workshop.has_begun.wait(LONG_S)
+    runs.submit(Request("a", HEAVY.replaced("edges.front_percentile", 90.0)), "path")
+    runs.cancel()
+    workshop.gate.set()
+    await_true(lambda: not runs.is_busy())
+    assert set(told.failed) == {CANCELLED}
+    assert told.done == []
+
+
+def test_another_scan_waits_for_no_run_of_the_scan_that_was_left(made):
+    runs, workshop, told = made
+    runs.submit(Request("a", HEAVY), "path")
+    assert workshop.has_begun.wait(LONG_S)
+    workshop.has_begun.clear()
+    # The first scan's normals are not there yet: only a run that is given up lets the next one begin.
+    runs.submit(Request("b", HEAVY), "path")
+    assert workshop.has_begun.wait(LONG_S)
+    workshop.gate.set()
+    await_true(lambda: told.done)
+    assert [request.label for request, _, _ in told.done] == ["b"]
+    assert told.failed == [], "nobody has cancelled anything"

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from stair_inspector.model import Measured
+from stair_inspector.report.pictures.frames import section_frame
 from stair_inspector.viewer.section_svg import MOST_DOTS, profile_svg, title_of
-from stair_inspector.viewer.sections import Profile, cut, profile_of, section_frame
+from stair_inspector.viewer.sections import Profile, cut, profile_of
 from tests.synthetic import rotation
 from tests.viewer.surveyed import GOING, PALETTE, RISE, surveyed
 
@@ -24,7 +25,9 @@ def profile(direction="along", place_m=0.0, step_id=None):
 
 def read(source):
     """The drawing as XML: what a browser would not forgive either is an error here."""
-    return ElementTree.fromstring(source)[0]
+    title, drawn = ElementTree.fromstring(source)
+    assert title.text == drawn.get("aria-label")
+    return drawn
 
 
 def scale_of(svg, axis):
@@ -152,9 +155,27 @@ def test_resting_on_a_step_tells_its_values():
 def test_the_title_says_where_the_section_is(direction, place_m, title):
     section = profile(direction, place_m)
     assert title_of(section) == title
-    drawn = read(profile_svg(section, PALETTE))
-    assert drawn.get("aria-label") == title
-    assert title in [text.text for text in drawn.iter(f"{SVG}text")]
+    assert read(profile_svg(section, PALETTE)).get("aria-label") == title
+    of_step = title.replace("its middle", "the middle of step 2")
+    assert read(profile_svg(section, PALETTE, "mm", 2)).get("aria-label") == of_step
+
+
+@pytest.mark.parametrize(("direction", "width"), [("along", 130), ("across", 130), ("along", 340), ("across", 340)])
+def test_both_scales_have_two_numbers_at_least(direction, width):
+    drawn = read(profile_svg(profile(direction), PALETTE, width=width))
+    words = [text for text in drawn.iter(f"{SVG}text") if re.fullmatch(r"-?[\d.]+", text.text or "")]
+    for anchor in ("middle", "end"):
+        ticks = [text for text in words if text.get("opacity") == "0.75" and text.get("text-anchor") == anchor]
+        assert len(ticks) >= 2
+
+
+def test_a_large_drawing_is_as_large_as_it_may_be_and_has_more_dots():
+    small, large = (
+        read(profile_svg(profile(), PALETTE, width=width, tallest=tallest, most_dots=most))
+        for width, tallest, most in ((340, 460, MOST_DOTS), (1160, 520, 4 * MOST_DOTS))
+    )
+    assert scale_of(large, "x") > 2.0 * scale_of(small, "x")
+    assert float(large.get("viewBox").split(" ")[3]) <= 520 + 60
 
 
 def test_an_empty_section_says_what_to_do():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.errors import ConfigError
+from stair_inspector.report.pictures.frames import section_frame
 from stair_inspector.viewer.sections import (
     DIRECTIONS,
     MOST_POINTS,
@@ -16,7 +17,6 @@ from stair_inspector.viewer.sections import (
     profile_of,
     read_direction,
     section_display,
-    section_frame,
 )
 from tests.synthetic import make_scan, rotation
 from tests.viewer.surveyed import GOING, RISE, STAIR, WIDTH, surveyed
@@ -162,7 +162,7 @@ def test_a_section_beside_the_stair_is_empty_and_no_error():
     assert section_display(scan, slab).points.shape == (0, 3)
     profile = profile_of(scan, inspection, slab)
     assert (len(profile.places_m), profile.lines) == (0, ())
-    assert profile_csv(profile) == b"along_m,height_m,step\n"
+    assert profile_csv(profile) == b"along_mm,height_mm,step_number\n"
 
 
 def test_the_csv_of_a_section_has_every_point(measured):
@@ -171,10 +171,11 @@ def test_the_csv_of_a_section_has_every_point(measured):
         scan, inspection, cut(section_frame(inspection, display.points), "along", 0, 0.05, display.points)
     )
     head, *rows = profile_csv(profile).decode().splitlines()
-    assert head == "along_m,height_m,step"
-    read = np.array([[float(value) for value in row.split(",")] for row in rows])
-    np.testing.assert_allclose(read[:, :2], profile.places_m, atol=1e-5)
+    assert head == "along_mm,height_mm,step_number"
+    read = np.array([[float(value or -1) for value in row.split(",")] for row in rows])
+    np.testing.assert_allclose(read[:, :2], 1000.0 * profile.places_m, atol=0.006)
     np.testing.assert_array_equal(read[:, 2], profile.labels)
+    assert [row for row in rows if row.endswith("-1")] == []
 
 
 @pytest.mark.parametrize("thickness_m", [0.0, -0.01, 0.0019, 2.01, float("nan"), float("inf")])

@@ -7,10 +7,14 @@ import pytest
 import viser
 
 from stair_inspector.files.projects import Measurement
+from stair_inspector.report.document import SIGNS
+from stair_inspector.report.pictures.frames import section_frame
+from stair_inspector.report.pictures.segmentation import draw, view_from_local
 from stair_inspector.viewer.dimensions import dimensions_of
 from stair_inspector.viewer.measuring import drawing_of
-from stair_inspector.viewer.scene import HIGHLIGHT, MODES, Stage, draw, view_from_local
-from stair_inspector.viewer.sections import cut, section_display, section_frame
+from stair_inspector.viewer.scene import HIGHLIGHT, MODES, Stage
+from stair_inspector.viewer.sections import cut, section_display
+from stair_inspector.viewer.step_marks import StepMark
 from tests.viewer.surveyed import PALETTE, surveyed
 
 SECTION = "/stair/section/"
@@ -70,6 +74,22 @@ def test_the_dimensions_of_a_step_come_and_go(server, stage, measured):
     assert names(server) == plain
 
 
+def test_steps_outside_a_limit_are_outlined_and_their_numbers_have_a_sign(server, stage, measured):
+    _, inspection, _ = measured
+    plain = names(server)
+    stage.show_marks({2: StepMark("bad", "rise"), 4: StepMark("close", "going")})
+    assert names(server) - plain == {"/stair/segments/outside"}
+    assert [label.text for _, label in stage._per_step] == ["1", f"2 {SIGNS['bad']}", "3", f"4 {SIGNS['close']}", "5"]
+    lines = server.scene._handle_from_node_name["/stair/segments/outside"]
+    assert lines.points.shape == (8, 2, 3)
+    # Above the tread, so that its points do not cover them.
+    above = (lines.points[:4, 0] - inspection.steps[1].corners) @ inspection.up.vector
+    assert above == pytest.approx(np.full(4, 2.0 * stage.point_size_m), abs=1e-5)
+    stage.show_marks({})
+    assert names(server) == plain
+    assert [label.text for _, label in stage._per_step] == ["1", "2", "3", "4", "5"]
+
+
 def test_the_numbers_that_would_lie_under_the_dimensions_are_hidden_as_long(server, stage, measured):
     _, inspection, _ = measured
     assert numbers_shown(stage) == ["1", "2", "3", "4", "5"]
@@ -79,6 +99,23 @@ def test_the_numbers_that_would_lie_under_the_dimensions_are_hidden_as_long(serv
     assert numbers_shown(stage) == ["3", "4", "5"]
     stage.show_dimensions(None, None, PALETTE)
     assert numbers_shown(stage) == ["1", "2", "3", "4", "5"]
+
+
+def test_a_section_hides_the_lines_of_all_steps_and_the_numbers_of_those_it_does_not_cut(server, stage, measured):
+    scan, inspection, display = measured
+    slab = cut(section_frame(inspection, display.points, 3), "across", 0.0, 0.05, display.points)
+    shown = section_display(scan, slab)
+    lines = [stage._nodes[f"/stair/segments/{name}"] for name in ("edges", "nosings")]
+    stage.show_section(shown.points, shown.colors, slab.corners, [3])
+    assert numbers_shown(stage) == ["3"]
+    assert not any(line.visible for line in lines)
+    # A new result is drawn first, and then the section through it.
+    stage.show_drawing(draw(inspection, display, scan.points, PALETTE), PALETTE, lambda step_id: None)
+    lines = [stage._nodes[f"/stair/segments/{name}"] for name in ("edges", "nosings")]
+    assert not any(line.visible for line in lines)
+    stage.show_section(shown.points, shown.colors, None)
+    assert numbers_shown(stage) == ["1", "2", "3", "4", "5"]
+    assert all(line.visible for line in lines)
 
 
 def test_a_step_without_dimensions_keeps_its_number(stage, measured):
@@ -171,10 +208,11 @@ def test_an_empty_section_is_an_outline_alone(server, stage, measured):
 
 
 def test_colours_are_replaced_in_place(stage, measured):
-    _, _, display = measured
+    scan, inspection, display = measured
     cloud = stage._nodes["/stair/segments/cloud"]
     colors = np.full((len(display.points), 3), 7, dtype=np.uint8)
-    stage.set_colors(colors)
+    drawing = draw(inspection, display, scan.points, PALETTE, colors=colors)
+    stage.show_drawing(drawing, PALETTE, lambda step_id: None)
     np.testing.assert_array_equal(stage._nodes["/stair/segments/cloud"].colors, colors)
     assert stage._nodes["/stair/segments/cloud"] is cloud
 
@@ -185,7 +223,7 @@ def test_measurements_come_and_go_and_stay_when_the_result_changes(server, stage
     first, second = (tuple(place + np.array(origin)) for place in (display.points[5], display.points[5000]))
     both = (Measurement("Distance 1", (first, second)), Measurement("Point 1", (first,)))
     plain = names(server)
-    stage.show_measurements(drawing_of(both, first, origin, up, "mm"))
+    stage.show_measurements(drawing_of(both, first, origin, up, "mm", detailed=0))
     added = names(server) - plain
     assert {f"{MEASURED}lines", f"{MEASURED}legs", f"{MEASURED}points"} <= added
     assert {f"{MEASURED}labels/{name}" for name in ("1", "1v", "1h", "2", "waiting")} <= added

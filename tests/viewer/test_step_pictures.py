@@ -10,56 +10,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from stair_inspector.model import Scan
-from stair_inspector.viewer.coloring import DIVERGING, residual_limit
-from stair_inspector.viewer.step_pictures import card_pictures, residual_html, residual_map, step_section_svg
-from tests.synthetic import rotation
-from tests.viewer.surveyed import GOING, PALETTE, WIDTH, surveyed
-
-TURNS = [np.eye(3), rotation("x", 75.0) @ rotation("y", -40.0)]
-
-
-def bumped(turn, height_m=0.01):
-    """The stair with a bump on the front left quarter of step 2; its planes stay those of the even step."""
-    scan, inspection, display = surveyed(turn)
-    own = scan.points @ turn
-    is_bump = (inspection.labels == 2) & (own[:, 0] < GOING * 1.5) & (own[:, 1] > WIDTH / 2.0)
-    points = scan.points + np.where(is_bump[:, None], height_m * turn[:, 2], 0.0)
-    bumpy = Scan(points, scan.origin_m, scan.name, scan.sha256, "m", scan.n_points)
-    return bumpy, inspection, display
+from stair_inspector.report.pictures.coloring import DIVERGING, residual_limit
+from stair_inspector.report.pictures.residuals import residual_map
+from stair_inspector.viewer.step_pictures import card_pictures, residual_html, step_section_svg
+from tests.viewer.surveyed import PALETTE, bumped, surveyed
 
 
 def pixels_of(source):
     data = re.search(r"data:image/png;base64,([A-Za-z0-9+/=]+)", source).group(1)
     return np.asarray(Image.open(io.BytesIO(base64.b64decode(data))))
-
-
-@pytest.mark.parametrize("turn", TURNS)
-def test_a_bump_shows_where_it_is_seen_from_above_by_who_climbs(turn):
-    scan, inspection, _ = bumped(turn)
-    found = residual_map(scan, inspection, inspection.steps[1])
-    rows, columns = found.residuals_m.shape
-    # Front is below and left is on the left.
-    front_left = found.residuals_m[rows // 2 + 1 :, : columns // 2 - 1]
-    back_right = found.residuals_m[: rows // 2 - 1, columns // 2 + 1 :]
-    assert np.nanmean(front_left) == pytest.approx(0.01, abs=0.0005)
-    assert np.nanmean(back_right) == pytest.approx(0.0, abs=0.0005)
-    assert columns * found.cell_m == pytest.approx(WIDTH, abs=2 * found.cell_m)
-    assert rows * found.cell_m == pytest.approx(GOING, abs=2 * found.cell_m)
-
-
-def test_the_mean_of_the_map_is_that_of_the_points():
-    scan, inspection, _ = bumped(np.eye(3))
-    step = inspection.steps[1]
-    own = scan.points[inspection.labels == 2]
-    distance = (own - step.plane.centroid) @ step.plane.normal
-    found = residual_map(scan, inspection, step)
-    row = ((own[:, 0].max() - own[:, 0]) / found.cell_m).astype(int)
-    column = ((own[:, 1].max() - own[:, 1]) / found.cell_m).astype(int)
-    for cell in {(3, 4), (0, 0), (int(row.max()), int(column.max()))}:
-        inside = (row == cell[0]) & (column == cell[1])
-        expected = distance[inside].mean() if inside.any() else np.nan
-        assert found.residuals_m[cell] == pytest.approx(expected, abs=1e-9, nan_ok=True)
 
 
 def test_the_picture_has_the_colours_of_the_map_and_nothing_where_there_are_no_points():

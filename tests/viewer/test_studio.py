@@ -8,14 +8,15 @@ import pytest
 import viser
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.viewer.cameras import FOV_RAD, Pose
-from stair_inspector.viewer.pictures import camera_wxyz
-from stair_inspector.viewer.scene import Stage, view_from_local
-from stair_inspector.viewer.studio import studio
+from stair_inspector.report.pictures.cameras import FOV_RAD, VIEWS, Pose, frame_view
+from stair_inspector.report.pictures.segmentation import view_from_local
+from stair_inspector.viewer.scene import Stage
+from stair_inspector.viewer.studio import camera_wxyz, studio
 from tests.viewer.surveyed import surveyed
 
 POSE = Pose(np.array([0.0, -5.0, 1.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0]))
 WIDTH, HEIGHT = 1600, 1000
+BOX = np.array([[x, y, z] for x in (-0.6, 0.6) for y in (-1.5, 3.0) for z in (0.0, 1.8)])
 
 
 class Camera:
@@ -99,3 +100,31 @@ def test_a_page_that_does_not_deliver_is_a_sentence_and_gets_its_camera_back(sta
         render(POSE, FOV_RAD)
     assert page.camera.state() == pytest.approx(before)
     assert stage.point_size_m == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [
+        Pose(np.zeros(3), np.zeros(3), np.array([0.0, 0.0, 1.0])),
+        Pose(np.zeros(3), np.array([0.0, 0.0, 2.0]), np.array([0.0, 0.0, 1.0])),
+        Pose(np.zeros(3), np.array([0.0, 1.0, 0.0]), np.zeros(3)),
+        Pose(np.full(3, np.nan), np.zeros(3), np.array([0.0, 0.0, 1.0])),
+    ],
+    ids=["nowhere", "along up", "no up", "no number"],
+)
+def test_a_camera_that_looks_nowhere_is_a_sentence(pose):
+    with pytest.raises(ConfigError, match="picture: the camera looks nowhere, or straight along"):
+        camera_wxyz(pose)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_the_camera_of_a_picture_is_turned_as_viser_wants_it(view):
+    pose = frame_view(view, BOX, 1.5, np.eye(3))
+    turn = viser.transforms.SO3(np.array(camera_wxyz(pose))).as_matrix()
+    assert np.linalg.det(turn) == pytest.approx(1.0)
+    right, down, forward = turn.T
+    np.testing.assert_allclose(
+        forward, (pose.look_at - pose.position) / np.linalg.norm(pose.look_at - pose.position), atol=1e-9
+    )
+    assert float(right @ pose.up) == pytest.approx(0.0, abs=1e-9)
+    assert float(down @ pose.up) < 0.0

@@ -5,18 +5,18 @@ import dataclasses
 import pytest
 
 from stair_inspector.model import Measured, Note
+from stair_inspector.report.pictures.coloring import rejected_of
+from stair_inspector.report.pictures.display import REJECTED_COLOR
+from stair_inspector.report.pictures.segmentation import MOST_REJECTED
 from stair_inspector.viewer import histogram, html
-from stair_inspector.viewer.display import REJECTED_COLOR
 from stair_inspector.viewer.markup import pick_script
 from stair_inspector.viewer.survey_html import (
     LAST_OF_FLIGHT,
-    MOST_REJECTED,
     NOT_OBSERVED,
     card_html,
     flight_text,
     range_text,
     rejected_html,
-    rejected_of,
 )
 from tests.viewer.surveyed import PALETTE, surveyed
 from tests.viewer.test_html import HOSTILE, Page

@@ -7,9 +7,10 @@ from typing import Any
 
 import viser
 
-from stair_inspector.viewer.cameras import VIEWS
+from stair_inspector.report.pictures.cameras import VIEWS
+from stair_inspector.report.pictures.picture import BACKGROUNDS
 from stair_inspector.viewer.notices import from_page
-from stair_inspector.viewer.pictures import BACKGROUNDS
+from stair_inspector.viewer.tabs.report import ReportActions, ReportFolder
 
 CURRENT_VIEW = "Current"
 SIZES = {"screen": 1, "2 ×": 2, "4 ×": 4}
@@ -23,6 +24,7 @@ class ExportActions:
     on_title: Callable[[str], None]
     on_download: Callable[[str], None]
     on_open_project: Callable[[Any], None]
+    report: ReportActions
 
 
 class ExportTab:
@@ -35,6 +37,7 @@ class ExportTab:
         )
         self.title: Any = gui.add_text("Title", "", hint="Of the inspection; it stands on pictures and in the project.")
         self.title.on_update(from_page(actions.on_title, lambda: self.title.value))
+        self.report = ReportFolder(gui, actions.report)
         for kind, icon, hint in (
             ("CSV", viser.Icon.TABLE, "One row for each step, millimetres and degrees."),
             ("JSON", viser.Icon.BRACES, "Everything: settings, levels, steps, notes; metres and degrees."),
@@ -47,7 +50,10 @@ class ExportTab:
             )
             self.ground: Any = gui.add_dropdown("Background", BACKGROUNDS, initial_value=BACKGROUNDS[0])
             self.size: Any = gui.add_dropdown(
-                "Size", tuple(SIZES), initial_value="2 ×", hint="Times the scene's size on the screen."
+                "Size",
+                tuple(SIZES),
+                initial_value="2 ×",
+                hint="Times the scene's size on the screen; the longer side has 7680 pixels at most.",
             )
             self._add_download(
                 gui, actions, "Screenshot PNG", viser.Icon.CAMERA, "With title, scale bar, legend, date and settings."

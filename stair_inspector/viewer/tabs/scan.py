@@ -6,7 +6,7 @@ from typing import Any
 
 import viser
 
-from stair_inspector.viewer.coloring import COLOR_MODES
+from stair_inspector.report.pictures.coloring import COLOR_MODES
 from stair_inspector.viewer.controls import SettingControls
 from stair_inspector.viewer.library import upload_types
 from stair_inspector.viewer.notices import from_page
@@ -55,7 +55,7 @@ class ScanTab:
         controls.add_choice("method")
         controls.add_choice("unit")
         self._add_up(gui, controls, actions)
-        self._add_region(gui, controls, actions)
+        self._add_region(gui, actions)
         self._add_points(gui, actions)
         controls.add_choice("normals.source")
 
@@ -83,8 +83,9 @@ class ScanTab:
         )
         tools.on_click(from_page(actions.on_up_tool, lambda: tools.value))
         self.up_hint = gui.add_html("")
+        self.up_used = gui.add_html("")
 
-    def _add_region(self, gui: viser.GuiApi, controls: SettingControls, actions: ScanActions) -> None:
+    def _add_region(self, gui: viser.GuiApi, actions: ScanActions) -> None:
         with gui.add_folder("Region of interest", expand_by_default=False):
             self.region_shown: Any = gui.add_checkbox(
                 "Show the box", False, hint="With handles at two corners; what lies outside is not measured."
@@ -98,7 +99,7 @@ class ScanTab:
             tools.on_click(from_page(actions.on_region_tool, lambda: tools.value))
             apply = gui.add_button("Measure in the box", icon=viser.Icon.BOX)
             apply.on_click(lambda _: actions.on_region_apply())
-            controls.add_text("overrules.region")
+            self.region_told = gui.add_html("")
 
     def _add_points(self, gui: viser.GuiApi, actions: ScanActions) -> None:
         with gui.add_folder("Points"):

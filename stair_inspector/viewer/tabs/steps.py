@@ -6,9 +6,10 @@ from typing import Any
 
 import viser
 
+from stair_inspector.report.pictures.segmentation import SURFACE
+from stair_inspector.viewer.choices import Choice
 from stair_inspector.viewer.controls import VERDICTS, SettingControls
-from stair_inspector.viewer.html import COLUMNS
-from stair_inspector.viewer.markup import SURFACE
+from stair_inspector.viewer.html import COLUMNS, Columns
 from stair_inspector.viewer.notices import from_page
 
 NO_STEP = "none"
@@ -32,18 +33,22 @@ class Table:
     """A table of steps with its choice of columns; there is one on the Tune tab and one on the Steps tab."""
 
     def __init__(self, gui: viser.GuiApi, actions: StepsActions) -> None:
-        self.columns: Any = gui.add_button_group(
+        names = tuple(columns.capitalize() for columns in COLUMNS)
+        self.columns = Choice(
+            gui,
             "Table",
-            tuple(columns.capitalize() for columns in COLUMNS),
-            hint="The survey's values with their uncertainties, or the paper's.",
-            visible=False,
+            names,
+            names[0],
+            "The survey's values with their uncertainties, or the paper's.",
+            is_visible=False,
         )
-        self.columns.on_click(from_page(actions.on_columns, lambda: self.columns.value))
+        self.columns.group.on_click(from_page(actions.on_columns, lambda: self.columns.group.value))
         self.html = gui.add_html("")
 
-    def show(self, content: str, *, is_survey: bool) -> None:
+    def show(self, content: str, columns: Columns, *, is_survey: bool) -> None:
         """Show the rows, and the choice of columns where there is one."""
-        self.columns.visible = is_survey
+        self.columns.group.visible = is_survey
+        self.columns.show(columns.capitalize())
         self.html.content = content
 
 

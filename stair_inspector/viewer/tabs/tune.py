@@ -15,6 +15,8 @@ from stair_inspector.viewer.tabs.steps import StepsActions, Table
 OWN_PRESET = "(changed)"
 """What the preset menu says when the settings are those of no preset."""
 NO_RUN = "none"
+AS_SHOWN = "what is shown"
+"""What menus say for no result, and for the one that the page shows."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,7 @@ class TuneActions:
     on_take_suggestion: Callable[[], None]
     on_keep_run: Callable[[str], None]
     on_compare: Callable[[str], None]
+    on_compare_to: Callable[[str], None]
     on_take_run: Callable[[], None]
     on_delete_run: Callable[[], None]
     on_sweep: Callable[[], None]
@@ -90,13 +93,14 @@ class TuneTab:
             self.preset.options = options
         self.preset.value = OWN_PRESET if chosen is None else chosen
 
-    def offer_runs(self, names: tuple[str, ...], chosen: str) -> None:
-        """List the kept runs and the one that is compared with."""
-        options = (NO_RUN, *names)
-        if tuple(self.compare.options) != options:
-            self.compare.options = options
-        self.compare.value = chosen
-        self._has_runs(bool(names))
+    def offer_runs(self, titles: tuple[str, ...], a: str, b: str) -> None:
+        """List the results that can be compared, and show the chosen ones."""
+        for menu, nothing, chosen in ((self.compare, NO_RUN, a), (self.compare_to, AS_SHOWN, b)):
+            options = (nothing, *titles)
+            if tuple(menu.options) != options:
+                menu.options = options
+            menu.value = chosen
+        self._run_tools.visible = self.compare_to.visible = a != NO_RUN
 
     def show_suggestion(self, html: str, *, is_there: bool) -> None:
         """Show a suggestion with its reasons, or why there is none."""
@@ -117,15 +121,26 @@ class TuneTab:
 
     def _add_runs(self, gui: viser.GuiApi, actions: TuneActions) -> None:
         with gui.add_folder("Compare A / B", expand_by_default=False):
-            self.run_name: Any = gui.add_text("Name", "A", hint="What these settings are kept under.")
+            self.run_name: Any = gui.add_text("Name", "run 1", hint="What these settings are kept under.")
             keep = gui.add_button("Keep this result", icon=viser.Icon.PIN, hint="To compare others with it.")
             keep.on_click(lambda _: actions.on_keep_run(self.run_name.value))
             self.compare: Any = gui.add_dropdown(
-                "Compare with", (NO_RUN,), initial_value=NO_RUN, hint="Its numbers and the differences, step by step."
+                "Result A",
+                (NO_RUN,),
+                initial_value=NO_RUN,
+                hint="A kept run, or one of the last results by what was changed for it.",
             )
             self.compare.on_update(from_page(actions.on_compare, lambda: self.compare.value))
+            self.compare_to: Any = gui.add_dropdown(
+                "Result B",
+                (AS_SHOWN,),
+                initial_value=AS_SHOWN,
+                hint="Its numbers beside those of A, and the differences, step by step.",
+                visible=False,
+            )
+            self.compare_to.on_update(from_page(actions.on_compare_to, lambda: self.compare_to.value))
             self._run_tools: Any = gui.add_button_group(
-                "That run", ("Use its settings", "Forget it"), visible=False, hint="Both can be undone."
+                "With A", ("Use its settings", "Forget it"), visible=False, hint="Of a kept run, both can be undone."
             )
             self._run_tools.on_click(
                 from_page(
@@ -134,9 +149,6 @@ class TuneTab:
                 )
             )
             self.comparison = gui.add_html("")
-
-    def _has_runs(self, has_runs: bool) -> None:
-        self._run_tools.visible = has_runs and self.compare.value != NO_RUN
 
     def _add_sweep(self, gui: viser.GuiApi, settings: tuple[str, ...], actions: TuneActions) -> None:
         quantities = tuple(SWEPT_QUANTITIES.values())

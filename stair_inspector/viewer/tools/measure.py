@@ -7,9 +7,11 @@ import numpy as np
 import viser
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.viewer.cameras import Pose
+from stair_inspector.report.pictures.cameras import Pose
+from stair_inspector.report.pictures.display import Display
+from stair_inspector.report.units import length_text
+from stair_inspector.viewer.choices import Choice
 from stair_inspector.viewer.desk import Desk, Editor
-from stair_inspector.viewer.display import Display
 from stair_inspector.viewer.looking import Looking
 from stair_inspector.viewer.markup import DIM, text
 from stair_inspector.viewer.measuring import (
@@ -23,7 +25,6 @@ from stair_inspector.viewer.measuring import (
 )
 from stair_inspector.viewer.notices import from_page
 from stair_inspector.viewer.picking import Pick, cone_of, find_nearest, owner_text, pick_of, ray_of
-from stair_inspector.viewer.units import length_text
 
 _NOBODY = "none"
 _CLOSEST_M = 1.0
@@ -46,20 +47,28 @@ class MeasureTool:
         self._editor = editor
         self._seen = seen
         self._ruler = Ruler()
+        # Of which scan, read in which unit, the point is that waits for its second one.
+        self._waiting_of: tuple[str, str] | None = None
+        # Index of the measurement that has all its values in the scene; the last one without.
+        self._detailed: int | None = None
         # Somebody else who wants the next points, such as the tool for the up direction.
         self._taker: Callable[[tuple[float, float, float]], None] | None = None
         guard = desk.notices.guard
-        mode = gui.add_button_group(
-            "Measure", RULER_MODES, hint="Then shift-click in the scene: once for a point, twice for a distance. Key M."
+        self._mode = Choice(
+            gui,
+            "Measure",
+            RULER_MODES,
+            self._ruler.mode,
+            "Then shift-click in the scene: once for a point, twice for a distance. Key M.",
         )
-        mode.on_click(from_page(guard(self.set_mode), lambda: mode.value))
+        self._mode.group.on_click(from_page(guard(self.set_mode), lambda: self._mode.group.value))
         self._told = gui.add_html("")
         self._list = gui.add_html("")
         # Buttons of the list write here; see markup.pick_script.
         self._order: Any = gui.add_text("Measurement order", "", visible=False)
         self._order.on_update(from_page(guard(self.obey), lambda: self._order.value))
         with gui.add_folder("Rename", expand_by_default=False):
-            self._which: Any = gui.add_dropdown("Measurement", (_NOBODY,), initial_value=_NOBODY)
+            self._which: Any = gui.add_dropdown("Which one", (_NOBODY,), initial_value=_NOBODY)
             self._name: Any = gui.add_text("New name", "")
             rename = gui.add_button("Rename it", icon=viser.Icon.PENCIL)
             rename.on_click(lambda _: guard(self.rename)())
@@ -73,6 +82,7 @@ class MeasureTool:
         """Choose what a click measures."""
         with self._desk.lock:
             self._ruler.set_mode(option)
+            self._mode.show(self._ruler.mode)
             self.show()
 
     def next_mode(self) -> None:
@@ -95,8 +105,11 @@ class MeasureTool:
             known = self._editor.work.measurements
             kept = without(known, index)
             if order == "delete":
+                self._detailed = None
                 self._editor.change(f"deleted {known[index].name}", measurements=kept)
             else:
+                self._detailed = index
+                self.show()
                 self._look_at(np.array(known[index].points_m))
 
     def rename(self) -> None:
@@ -114,6 +127,7 @@ class MeasureTool:
         """Draw and list the measurements."""
         desk = self._desk
         with desk.lock, desk.client.atomic():
+            self._drop_other_scans_point()
             known = self._editor.work.measurements
             inspection = desk.inspection
             up = inspection.up.vector if inspection is not None else None
@@ -126,7 +140,9 @@ class MeasureTool:
                 return
             drawing = None
             if known or self._ruler.waiting is not None:
-                drawing = drawing_of(known, self._ruler.waiting, inspection.scan.origin_m, up, desk.unit)
+                drawing = drawing_of(
+                    known, self._ruler.waiting, inspection.scan.origin_m, up, desk.unit, self._detailed
+                )
             desk.stage.show_measurements(drawing)
             self._tell_mode()
 
@@ -143,12 +159,21 @@ class MeasureTool:
             if self._taker is not None:
                 self._taker(pick.place_m)
                 return
+            self._drop_other_scans_point()
             made = self._ruler.click(pick.place_m, self._editor.work.measurements)
             if made is not None:
-                self._editor.change(made.name, measurements=(*self._editor.work.measurements, made))
+                self._detailed = None
+                self._editor.edit(made.name, lambda work: {"measurements": (*work.measurements, made)})
             else:
                 self.show()
             self._say_pick(pick)
+
+    def _drop_other_scans_point(self) -> None:
+        """Forget the first point of a distance that was begun on another scan: together they would measure nothing."""
+        frame = self._desk.frame
+        if frame != self._waiting_of:
+            self._ruler.step_back()
+            self._waiting_of = frame
 
     def _pick(self, event: Any) -> Pick | None:
         """Return the foremost drawn point that a click meets; side by side either cloud may be meant."""

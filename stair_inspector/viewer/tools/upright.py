@@ -24,6 +24,7 @@ class UprightTool:
         self._editor = editor
         self._say_html = say
         self._points: list[Floats] = []
+        self._frame: tuple[str, str] | None = None
         self.borrow: Callable[[Callable[[tuple[float, float, float]], None] | None], None] = lambda taker: None
 
     def start(self, option: str) -> None:
@@ -32,18 +33,25 @@ class UprightTool:
             raise ConfigError(f"correct up: got {str(option)[:40]!r}; give one of {', '.join(UP_TOOLS)}")
         with self._desk.lock:
             shown = self._desk.result("correct up")
+            # Either way, points that were picked before count no longer.
+            self.stop()
             if option == UP_TOOLS[1]:
                 self._apply(up_of_treads(shown.inspection), "up from the treads")
                 return
-            self._points = []
+            self._frame = self._desk.frame
             self.borrow(self._take)
             self._say("Shift-click three points of a level floor, far apart: 0 of 3.")
 
     def stop(self) -> None:
         """Give up picking."""
-        self._points = []
+        self._points, self._frame = [], self._desk.frame
         self.borrow(None)
         self._say("")
+
+    def show(self) -> None:
+        """Give up picking that was begun on another scan."""
+        if self._frame != self._desk.frame:
+            self.stop()
 
     def _take(self, place_m: tuple[float, float, float]) -> None:
         self._points.append(np.array(place_m))
@@ -57,7 +65,7 @@ class UprightTool:
 
     def _apply(self, up: Floats, words: str) -> None:
         vector = ",".join(f"{component:.6f}" for component in up)
-        self._editor.apply(self._editor.work.params.replaced("up", vector), words)
+        self._editor.adjust(lambda params: params.replaced("up", vector), words)
         self._desk.notices.tell(
             "Up corrected",
             f"up is ({vector}) now and taken as exact; state under Tune, Survey, 'up [°]' how well it is known",

@@ -1,17 +1,21 @@
 """The View tool: what is shown, from where, and views that are kept."""
 
+from collections.abc import Callable
 from typing import Any
 
 import viser
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.viewer.cameras import VIEWS, from_saved, to_saved
+from stair_inspector.report.pictures.cameras import VIEWS, from_saved, to_saved
+from stair_inspector.viewer.choices import Choice
 from stair_inspector.viewer.desk import Desk, Editor
 from stair_inspector.viewer.looking import Looking
+from stair_inspector.viewer.markup import DIM, LINE, text
+from stair_inspector.viewer.measuring import free_name, order_buttons, read_order
 from stair_inspector.viewer.notices import from_page
 from stair_inspector.viewer.scene import MODES
 
-_NO_VIEW = "none"
+TARGETS = ("Chosen step", "Whole stair", "Whole scan")
 
 
 class ViewTool:
@@ -21,14 +25,18 @@ class ViewTool:
         self._desk = desk
         self._looking = looking
         self._editor = editor
+        # Told when another mode is shown.
+        self.on_mode: Callable[[], None] = lambda: None
         guard = desk.notices.guard
-        mode = gui.add_button_group("Show", MODES, hint="Raw cloud, coloured steps, or both side by side.")
-        mode.on_click(from_page(guard(self.set_mode), lambda: mode.value))
+        self._mode = Choice(
+            gui, "Show", MODES, desk.stage.mode, "Raw cloud, coloured steps, or both side by side. Keys 7 to 9."
+        )
+        self._mode.group.on_click(from_page(guard(self.set_mode), lambda: self._mode.group.value))
         view = gui.add_button_group("Camera", VIEWS, hint="Stand back from that side of the staircase. Keys 1 to 5.")
         view.on_click(from_page(guard(self.set_view), lambda: view.value))
-        step = gui.add_button_group("Look at", ("Chosen step", "Whole stair"), hint="Keys S and 1.")
-        step.on_click(from_page(guard(self._look_at), lambda: step.value))
-        self.control_uuids: tuple[str, str, str] = (mode._impl.uuid, view._impl.uuid, step._impl.uuid)
+        step = gui.add_button_group("Look at", TARGETS, hint="Keys F and 1.")
+        step.on_click(from_page(guard(self.look_at), lambda: step.value))
+        self.control_uuids: tuple[str, str, str] = (self._mode.uuid, view._impl.uuid, step._impl.uuid)
         """Of the groups for modes, views and targets; the toolbar over the scene writes into them."""
         self._ortho: Any = gui.add_checkbox("Orthographic", False, hint="Parallels stay parallel. Key O.")
         self._ortho.on_update(from_page(guard(self.set_ortho), lambda: self._ortho.value))
@@ -36,15 +44,17 @@ class ViewTool:
             self._name: Any = gui.add_text("View name", "", hint="What the view is kept under.")
             keep = gui.add_button("Keep this view", icon=viser.Icon.BOOKMARK)
             keep.on_click(lambda _: guard(self.keep)())
-            self._kept: Any = gui.add_dropdown("Go to", (_NO_VIEW,), initial_value=_NO_VIEW)
-            self._kept.on_update(from_page(guard(self.go_to), lambda: self._kept.value))
-            forget = gui.add_button("Forget that view", icon=viser.Icon.TRASH, color="gray")
-            forget.on_click(lambda _: guard(self.forget)())
+            self._list = gui.add_html("")
+            # Buttons of the list write here; see markup.pick_script.
+            self._order: Any = gui.add_text("View order", "", visible=False)
+            self._order.on_update(from_page(guard(self.obey), lambda: self._order.value))
 
     def set_mode(self, option: str) -> None:
         """Show the raw cloud, the steps, or both."""
         with self._desk.lock:
             self._looking.set_mode(option)
+            self._mode.show(self._desk.stage.mode)
+        self.on_mode()
 
     def set_view(self, option: str) -> None:
         """Look from a standard side."""
@@ -68,46 +78,62 @@ class ViewTool:
             self._ortho.value = self._looking.is_ortho
 
     def keep(self) -> None:
-        """Keep where the camera stands, under a name."""
+        """Keep where the camera stands, under a name.
+
+        Raises
+        ------
+        ConfigError
+            Another view has that name.
+        """
         with self._desk.lock:
             shown = self._desk.result("keep view")
-            known = [view.name for view in self._editor.work.views]
-            name = str(self._name.value).strip() or f"View {len(known) + 1}"
+            known = {view.name for view in self._editor.work.views}
+            name = " ".join(str(self._name.value).split()) or free_name("View", known)
+            if name in known:
+                raise ConfigError(f"keep view: the name {name[:60]!r} is taken; give another one")
             fov_rad = float(self._desk.client.camera.fov)
             view = to_saved(name, self._looking.pose(), fov_rad, self._desk.stage.rotation, shown.scan.origin_m)
-            kept = tuple(each for each in self._editor.work.views if each.name != name)
-            self._editor.change(f"kept view {name}", views=(*kept, view))
+            self._editor.edit(f"kept view {name}", lambda work: {"views": (*work.views, view)})
+            # A name that stays would be taken when the next view is kept.
+            self._name.value = ""
 
-    def go_to(self, name: str) -> None:
-        """Look as a kept view does."""
+    def obey(self, message: str) -> None:
+        """Look as a kept view does, or forget it, as a button of the list asks."""
+        order, index = read_order(message)
         with self._desk.lock:
-            view = next((view for view in self._editor.work.views if view.name == name), None)
-            if view is None:
-                if name == _NO_VIEW:
-                    return
-                raise ConfigError(f"view: got {str(name)[:40]!r}; choose one of the menu")
+            views = self._editor.work.views
+            if not 0 <= index < len(views):
+                raise ConfigError(f"view {index + 1}: there are {len(views)}; choose a row of the list")
+            if order == "delete":
+                self._editor.change(f"forgot view {views[index].name}", views=views[:index] + views[index + 1 :])
+                return
             shown = self._desk.result("go to view")
-            pose, fov_rad = from_saved(view, self._desk.stage.rotation, shown.scan.origin_m)
+            pose, fov_rad = from_saved(views[index], self._desk.stage.rotation, shown.scan.origin_m)
             self._looking.go_to(pose, fov_rad)
-
-    def forget(self) -> None:
-        """Delete the kept view that is chosen."""
-        with self._desk.lock:
-            name = self._kept.value
-            kept = tuple(view for view in self._editor.work.views if view.name != name)
-            if len(kept) == len(self._editor.work.views):
-                raise ConfigError("forget view: choose a kept view first")
-            self._editor.change(f"forgot view {name}", views=kept)
 
     def show(self) -> None:
         """List the kept views."""
-        options = (_NO_VIEW, *(view.name for view in self._editor.work.views))
-        if tuple(self._kept.options) != options:
-            self._kept.options = options
-            self._kept.value = options[-1]
+        self._list.content = views_html(tuple(view.name for view in self._editor.work.views), self._order._impl.uuid)
 
-    def _look_at(self, option: str) -> None:
-        if option == "Chosen step":
-            self.look_at_step()
-        else:
-            self.set_view("Home")
+    def look_at(self, option: str) -> None:
+        """Look at the chosen step, the stair or everything."""
+        if option not in TARGETS:
+            raise ConfigError(f"look at: got {str(option)[:40]!r}; give one of {', '.join(TARGETS)}")
+        with self._desk.lock:
+            if option == TARGETS[0]:
+                self._looking.look_at_step()
+            else:
+                self._looking.look("Home", is_whole=option == TARGETS[2])
+
+
+def views_html(names: tuple[str, ...], order_uuid: str) -> str:
+    """Return the list of kept views, a row for each with buttons to look from there and to forget it."""
+    rows = "".join(
+        f'<div data-testid="view-row" style="display:flex;justify-content:space-between;border-bottom:1px solid {LINE};'
+        f'padding:1px 0"><span style="overflow-wrap:anywhere">{text(name)}</span>'
+        f'<span style="white-space:nowrap">{order_buttons(order_uuid, number, name)}</span></div>'
+        for number, name in enumerate(names, start=1)
+    )
+    none = f'<span style="color:{DIM}">No view kept yet: turn the scene, then keep the view (key V).</span>'
+    style = "font-size:12px;line-height:1.5;padding:0 12px 6px 9px"
+    return f'<div data-testid="views" style="{style}">{rows or none}</div>'

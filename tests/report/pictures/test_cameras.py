@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from stair_inspector.viewer import cameras
-from stair_inspector.viewer.cameras import (
+from stair_inspector.report.pictures import cameras
+from stair_inspector.report.pictures.cameras import (
     FOV_RAD,
     ORTHO_FOV_RAD,
     VIEWS,
@@ -18,7 +18,7 @@ from stair_inspector.viewer.cameras import (
     to_saved,
     with_fov,
 )
-from stair_inspector.viewer.scene import view_from_local
+from stair_inspector.report.pictures.segmentation import view_from_local
 from tests.synthetic import rotation
 from tests.viewer.surveyed import surveyed
 

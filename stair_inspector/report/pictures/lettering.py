@@ -32,6 +32,8 @@ _INSTEAD = {
     "✓": "ok",
 }
 _NO_LETTER = "\uffff"
+_LETTERS_PER_SIZE = 4.0
+"""Narrow letters that stand beside each other in the width of a line as wide as they are high."""
 
 Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
@@ -69,9 +71,12 @@ class Lettering:
     def wrap(self, words: str, width: float) -> list[str]:
         """Return a text in lines that are no wider than this; a single word that is wider is cut into pieces."""
         lines, line = [], ""
+        # No line has more letters, however narrow: a name of thousands of letters is cut without trying them all.
+        most = max(1, int(_LETTERS_PER_SIZE * width / self.size))
         for word in words.split():
-            while self.width(word) > width and len(word) > 1:
-                n = max(1, next((k for k in range(len(word), 0, -1) if self.width(word[:k]) <= width), 1))
+            while len(word) > 1 and (len(word) > most or self.width(word) > width):
+                fitting = (k for k in range(min(len(word), most), 0, -1) if self.width(word[:k]) <= width)
+                n = next(fitting, 1)
                 lines += [line] if line else []
                 lines.append(word[:n])
                 line, word = "", word[n:]

@@ -10,7 +10,6 @@ from typing import Literal
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Measured
 from stair_inspector.params import METRES_PER_UNIT
-from stair_inspector.viewer.markup import tidy
 
 Unit = Literal["mm", "in"]
 Shown = Literal["mm", "in", "°"]
@@ -103,3 +102,19 @@ def _scaled(value: float, unit: Shown) -> float:
 
 def _suffix(unit: Shown) -> str:
     return unit if unit == "°" else f" {unit}"
+
+
+def tidy(value: float, digits: int) -> float:
+    """Return the value rounded, and zero without a sign."""
+    return round(float(value), digits) + 0.0
+
+
+def round_ticks(low: float, span: float, n: float = 6.0) -> list[tuple[int, float]]:
+    """Return about ``n`` round numbers within a range that has a length, each with its number of decimals."""
+    wanted = span / n
+    power = 10.0 ** math.floor(math.log10(wanted))
+    step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted)
+    digits = max(0, -math.floor(math.log10(step)))
+    first = math.ceil(low / step)
+    last = math.ceil((low + span) / step)
+    return [(digits, tidy(k * step, digits)) for k in range(first, last)]

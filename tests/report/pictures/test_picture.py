@@ -7,26 +7,25 @@ import zipfile
 
 import numpy as np
 import pytest
-import viser
 from PIL import Image
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.viewer.cameras import FOV_RAD, ORTHO_FOV_RAD, VIEWS, Pose, frame_view
-from stair_inspector.viewer.coloring import VIRIDIS, residual_legend
-from stair_inspector.viewer.legends import Legend
-from stair_inspector.viewer.lettering import Lettering
-from stair_inspector.viewer.pictures import (
+from stair_inspector.report.pictures.cameras import FOV_RAD, ORTHO_FOV_RAD, VIEWS, Pose, frame_view
+from stair_inspector.report.pictures.coloring import VIRIDIS, residual_legend
+from stair_inspector.report.pictures.legends import Legend
+from stair_inspector.report.pictures.lettering import Lettering
+from stair_inspector.report.pictures.picture import (
     BACKGROUNDS,
     Caption,
     Scale,
     bar_of,
-    camera_wxyz,
     check_size,
     picture_png,
     pictures_zip,
     read_background,
     safe_name,
     scale_of,
+    size_of,
 )
 
 BOX = np.array([[x, y, z] for x in (-0.6, 0.6) for y in (-1.5, 3.0) for z in (0.0, 1.8)])
@@ -139,21 +138,6 @@ def test_the_bar_is_never_longer_than_its_room_however_near_the_camera(unit):
         assert length <= 200.0 * (1.0 + 1e-6)
 
 
-@pytest.mark.parametrize(
-    "pose",
-    [
-        Pose(np.zeros(3), np.zeros(3), np.array([0.0, 0.0, 1.0])),
-        Pose(np.zeros(3), np.array([0.0, 0.0, 2.0]), np.array([0.0, 0.0, 1.0])),
-        Pose(np.zeros(3), np.array([0.0, 1.0, 0.0]), np.zeros(3)),
-        Pose(np.full(3, np.nan), np.zeros(3), np.array([0.0, 0.0, 1.0])),
-    ],
-    ids=["nowhere", "along up", "no up", "no number"],
-)
-def test_a_camera_that_looks_nowhere_is_a_sentence(pose):
-    with pytest.raises(ConfigError, match="picture: the camera looks nowhere, or straight along"):
-        camera_wxyz(pose)
-
-
 def test_the_colours_of_the_legend_are_in_the_picture():
     legend = Legend("t", (((1, 200, 3), "one"), ((200, 1, 203), "two")), residual_legend(0.01).ramp)
     _, below = strips(opened(picture_png(rendered(), CAPTION, legend, None, "White")))
@@ -194,19 +178,6 @@ def test_small_and_large_pictures_have_all_of_it(size):
     picture = opened(picture_png(pixels, CAPTION, LEGEND, Scale(width / 5.0, "mm"), "White"))
     assert picture.shape[1] == width
     assert height < len(picture) < 2.6 * height
-
-
-@pytest.mark.parametrize("view", VIEWS)
-def test_the_camera_of_a_picture_is_turned_as_viser_wants_it(view):
-    pose = frame_view(view, BOX, 1.5, np.eye(3))
-    turn = viser.transforms.SO3(np.array(camera_wxyz(pose))).as_matrix()
-    assert np.linalg.det(turn) == pytest.approx(1.0)
-    right, down, forward = turn.T
-    np.testing.assert_allclose(
-        forward, (pose.look_at - pose.position) / np.linalg.norm(pose.look_at - pose.position), atol=1e-9
-    )
-    assert float(right @ pose.up) == pytest.approx(0.0, abs=1e-9)
-    assert float(down @ pose.up) < 0.0
 
 
 def test_the_zip_has_a_picture_for_every_view_each_of_its_own_camera():
@@ -255,3 +226,49 @@ def test_an_unknown_background_is_refused(value):
     with pytest.raises(ConfigError, match="background: got"):
         read_background(value)
     assert [read_background(name) for name in BACKGROUNDS] == list(BACKGROUNDS)
+
+
+def test_views_of_one_name_are_all_in_the_zip():
+    pose = Pose(np.array([0.0, -5.0, 1.0]), np.zeros(3), np.array([0.0, 0.0, 1.0]))
+    views = [(name, pose, 0.8) for name in ("My view", "my view", "My/view", "my_view_2", "Top")]
+    finished = iter([b"a", b"b", b"c", b"d", b"e"])
+    data = pictures_zip("s", views, lambda pose, fov: None, lambda *_: next(finished))
+    archive = zipfile.ZipFile(io.BytesIO(data))
+    assert [archive.read(name) for name in archive.namelist()] == [b"a", b"b", b"c", b"d", b"e"]
+    assert len(set(archive.namelist())) == 5
+
+
+@pytest.mark.parametrize(
+    ("window", "factor", "wanted"),
+    [
+        ((800, 600), 2, (1600, 1200)),
+        ((2560, 1440), 4, (7680, 4320)),
+        ((1000, 3000), 4, (2560, 7680)),
+        ((1919.4, 1080.0), 4, (7678, 4320)),
+    ],
+)
+def test_a_picture_is_so_many_times_the_window_or_as_large_as_can_be(window, factor, wanted):
+    assert size_of(*window, factor) == wanted
+
+
+@pytest.mark.parametrize("width", [float("nan"), 0.0, -3.0])
+def test_a_window_without_a_size_is_refused(width):
+    with pytest.raises(ConfigError, match="picture: width"):
+        size_of(width, 600.0, 2)
+
+
+def test_letters_can_be_larger_for_a_picture_that_is_printed_small():
+    heads = []
+    for text_scale in (1.0, 2.0):
+        above, _ = strips(opened(picture_png(rendered(), CAPTION, None, None, "White", text_scale)))
+        heads.append(len(above))
+    assert heads[1] == pytest.approx(2 * heads[0], rel=0.05)
+
+
+def test_a_scale_that_holds_everywhere_is_not_bound_to_a_point(monkeypatch):
+    written = []
+    write = Lettering.write
+    monkeypatch.setattr(Lettering, "write", lambda self, x, y, words: (written.append(words), write(self, x, y, words)))
+    picture_png(rendered(), CAPTION, None, Scale(200.0, "mm", is_everywhere=True), "White")
+    assert "500 mm" in written
+    assert not [words for words in written if "looked at" in words]

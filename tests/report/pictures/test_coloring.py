@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.viewer.coloring import (
+from stair_inspector.report.pictures.coloring import (
     COLOR_MODES,
     DIVERGING,
     NOT_COLORED,
@@ -20,8 +20,8 @@ from stair_inspector.viewer.coloring import (
     residuals_of,
     shade,
 )
-from stair_inspector.viewer.display import REJECTED_COLOR, choose_display, display_of
-from stair_inspector.viewer.scene import draw, view_from_local
+from stair_inspector.report.pictures.display import REJECTED_COLOR, choose_display, display_of
+from stair_inspector.report.pictures.segmentation import draw, view_from_local
 from tests.synthetic import rotation
 from tests.viewer.surveyed import PALETTE, RISE, STAIR, surveyed
 

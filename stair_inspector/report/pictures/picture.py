@@ -6,6 +6,7 @@ standard views. Nothing here knows the page, so the same picture can be made fro
 """
 
 import io
+import itertools
 import math
 import re
 import zipfile
@@ -20,11 +21,10 @@ from stair_inspector import __version__
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Rgb
 from stair_inspector.geometry.arrays import Colors
-from stair_inspector.viewer.cameras import Pose
-from stair_inspector.viewer.legends import Legend, Ramp, colors_on
-from stair_inspector.viewer.lettering import Lettering
-from stair_inspector.viewer.scene import quaternion
-from stair_inspector.viewer.units import M_PER_INCH, Unit
+from stair_inspector.report.pictures.cameras import Pose
+from stair_inspector.report.pictures.legends import Legend, Ramp, colors_on
+from stair_inspector.report.pictures.lettering import Lettering
+from stair_inspector.report.units import M_PER_INCH, Unit
 
 Background = Literal["White", "Transparent"]
 
@@ -39,7 +39,6 @@ _BAR_SHARE = 0.22
 """Longest scale bar, as a share of the picture's width."""
 _TEXT_SHARE = 1.0 / 80.0
 _SMALLEST_TEXT = 11
-_LEAST_SINE = 1e-9
 _FOOT_LINES = 16.0
 """Room for legend and scale bar, in sizes of the text, of which only what is used is kept."""
 
@@ -59,11 +58,13 @@ class Caption:
 class Scale:
     """How large things are in a picture, pixels for a metre: as far from the camera as the point it looks at.
 
-    The orthographic look is a perspective from far away: what is nearer than that point is still some percent larger.
+    The page's orthographic look is a perspective from far away: what is nearer than that point is still some percent
+    larger. ``is_everywhere`` says that there is no perspective at all.
     """
 
     pixels_per_m: float
     unit: Unit
+    is_everywhere: bool = False
 
 
 def read_background(value: object) -> Background:
@@ -95,22 +96,16 @@ def check_size(width: float, height: float) -> tuple[int, int]:
     return round(width), round(height)
 
 
-def camera_wxyz(pose: Pose) -> tuple[float, float, float, float]:
-    """Return the orientation of a camera as viser takes it: x to the right in the picture, y down, z into it.
+def size_of(width: float, height: float, factor: float) -> tuple[int, int]:
+    """Return the size of a picture so many times as large as a window, or as large as a picture can be.
 
     Raises
     ------
     ConfigError
-        The camera looks nowhere, or straight along its upward direction: a page may send any numbers.
+        As :func:`check_size`.
     """
-    forward = pose.look_at - pose.position
-    right = np.cross(forward, pose.up)
-    # A comparison with something that is no number is False.
-    if not np.linalg.norm(right) > _LEAST_SINE * np.linalg.norm(forward) * np.linalg.norm(pose.up):
-        raise ConfigError("picture: the camera looks nowhere, or straight along its own upward direction; turn it")
-    forward = forward / np.linalg.norm(forward)
-    right /= np.linalg.norm(right)
-    return quaternion(np.column_stack([right, np.cross(forward, right), forward]))
+    factor = min(factor, LARGEST_PIXELS / max(width, height, 1.0))
+    return check_size(min(width * factor, LARGEST_PIXELS), min(height * factor, LARGEST_PIXELS))
 
 
 def scale_of(pose: Pose, fov_rad: float, height: int, unit: Unit) -> Scale:
@@ -133,7 +128,12 @@ def bar_of(scale: Scale, longest: float) -> tuple[float, str]:
 
 
 def picture_png(
-    pixels: Colors, caption: Caption, legend: Legend | None, scale: Scale | None, background: Background
+    pixels: Colors,
+    caption: Caption,
+    legend: Legend | None,
+    scale: Scale | None,
+    background: Background,
+    text_scale: float = 1.0,
 ) -> bytes:
     """Return a rendered view with what belongs to it, as PNG.
 
@@ -149,9 +149,11 @@ def picture_png(
         From :func:`scale_of` with the height of ``pixels``.
     background : {"White", "Transparent"}
         Behind the scan. On a transparent one the letters have a white outline.
+    text_scale : float
+        How much larger the letters are than in a picture as wide as a page: 2 where it takes half of one.
     """
     view = Image.fromarray(pixels).convert("RGBA")
-    paper = _Paper(view.width, background)
+    paper = _Paper(view.width, background, text_scale)
     head = [(caption.title or caption.scan, 1.6, _INK), (_second_line(caption), 1.0, _DIM)]
     for words, size, color in head:
         paper.text(words, size, color)
@@ -178,7 +180,8 @@ def pictures_zip(
     Parameters
     ----------
     stem : str
-        Begins each file's name; what is no letter, digit, dot, dash or underscore becomes an underscore.
+        Begins each file's name; what is no letter, digit, dot, dash or underscore becomes an underscore. Where two
+        views have the same name, or would have, the later ones have a number.
     views : iterable of (name, pose, fov_rad)
         Name of the view, its camera and its upright angle of view.
     render : callable
@@ -194,13 +197,22 @@ def pictures_zip(
         It was stopped.
     """
     stream = io.BytesIO()
+    taken: set[str] = set()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as archive:
         for name, pose, fov_rad in views:
             if not on_view(name):
                 raise ConfigError("pictures: cancelled; nothing was saved")
             png = finish(name, render(pose, fov_rad), pose, fov_rad)
-            archive.writestr(f"{safe_name(stem)}_{safe_name(name).lower()}.png", png)
+            archive.writestr(f"{_free_name(f'{safe_name(stem)}_{safe_name(name).lower()}', taken)}.png", png)
     return stream.getvalue()
+
+
+def _free_name(stem: str, taken: set[str]) -> str:
+    """Return the stem, with a number where it is taken, and take it."""
+    numbered = (f"{stem}_{number}" for number in itertools.count(2))
+    name = next(each for each in itertools.chain((stem,), numbered) if each not in taken)
+    taken.add(name)
+    return name
 
 
 def safe_name(words: str) -> str:
@@ -222,10 +234,10 @@ def _second_line(caption: Caption) -> str:
 class _Paper:
     """A picture that grows downwards, as wide as the view; all sizes follow from that width."""
 
-    def __init__(self, width: int, background: Background) -> None:
+    def __init__(self, width: int, background: Background, text_scale: float) -> None:
         self._width = width
         self._ground = (255, 255, 255, 255) if background == "White" else (255, 255, 255, 0)
-        self._size = max(_SMALLEST_TEXT, round(width * _TEXT_SHARE))
+        self._size = max(_SMALLEST_TEXT, round(width * _TEXT_SHARE * text_scale))
         self._outline = max(1, self._size // 8) if background == "Transparent" else 0
         self._margin = self._size
         self._strips: list[Image.Image] = []
@@ -255,7 +267,7 @@ class _Paper:
         bottoms = [0.0]
         if scale is not None:
             length, words = bar_of(scale, _BAR_SHARE * self._width)
-            words += " at the point looked at"
+            words += "" if scale.is_everywhere else " at the point looked at"
             left = right - max(length, self._letters(strip, 1.0, _INK).width(words))
             bottoms.append(self._scale_bar(strip, left, length, words))
             right = int(left) - 2 * self._margin

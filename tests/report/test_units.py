@@ -7,8 +7,7 @@ import pytest
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Measured
-from stair_inspector.viewer.dimensions import dimensions_of
-from stair_inspector.viewer.units import (
+from stair_inspector.report.units import (
     fraction_text,
     length_text,
     measured_text,
@@ -18,6 +17,7 @@ from stair_inspector.viewer.units import (
     u_text,
     uncertainty_text,
 )
+from stair_inspector.viewer.dimensions import dimensions_of
 from tests.viewer.surveyed import surveyed
 
 INCH = 0.0254

@@ -14,11 +14,10 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels
 from stair_inspector.geometry.fits import PlaneFit
-from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL, Inspection
-from stair_inspector.viewer.display import REJECTED_COLOR, Display
-from stair_inspector.viewer.legends import Legend, Ramp, colors_on
-from stair_inspector.viewer.markup import tidy
-from stair_inspector.viewer.survey_html import rejected_of
+from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL, Inspection, Patch
+from stair_inspector.report.pictures.display import REJECTED_COLOR, Display
+from stair_inspector.report.pictures.legends import Legend, Ramp, colors_on
+from stair_inspector.report.units import tidy
 
 ColorMode = Literal["Step", "Height", "Normal", "Residual", "Original"]
 
@@ -311,3 +310,9 @@ def _by_residual(residuals: Floats, limit_m: float | None) -> Coloring:
     elif not _LEAST_LIMIT_M <= limit_m <= _MOST_LIMIT_M:
         raise ConfigError(f"colour limit: got {limit_m * 1000.0:g} mm; give 0.5 to 1000 mm")
     return Coloring(color_residuals(residuals, limit_m), residual_legend(limit_m))
+
+
+def rejected_of(inspection: Inspection) -> list[Patch]:
+    """Return the rejected surfaces, the largest first."""
+    rejected = [patch for patch in inspection.patches if patch.kind == "rejected"]
+    return sorted(rejected, key=lambda patch: (-patch.area_m2, patch.patch_id))

@@ -1,11 +1,13 @@
 """Words in pictures: drawn as wide as they say, wrapped inside their room, and never a letter that is a box."""
 
+import time
+
 import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 
-from stair_inspector.viewer import lettering
-from stair_inspector.viewer.lettering import Lettering
+from stair_inspector.report.pictures import lettering
+from stair_inspector.report.pictures.lettering import Lettering
 
 INK = (10, 20, 30)
 LETTERS = ("used: θ_th 15° · ε_z 20 mm → α 95/5 %", "계단 2층", "plain words", "±0.4 mm − 3 × 2 m²")
@@ -61,3 +63,14 @@ def test_an_outline_keeps_letters_readable_on_a_dark_ground():
     pixels = np.asarray(image)[..., :3].reshape(-1, 3).astype(int)
     assert (pixels.sum(axis=1) > 700).sum() > 100
     assert (np.abs(pixels - INK).sum(axis=1) < 30).sum() > 50
+
+
+def test_a_word_of_thousands_of_letters_is_cut_into_lines_at_once():
+    pen = Lettering(ImageDraw.Draw(Image.new("RGB", (10, 10))), 12, (0, 0, 0))
+    began = time.perf_counter()
+    lines = pen.wrap("a" * 5000, 200.0)
+    # Trying every length of every piece took more than a minute.
+    assert time.perf_counter() - began < 10.0
+    assert "".join(lines) == "a" * 5000
+    assert max(map(pen.width, lines)) <= 200.0
+    assert min(map(pen.width, lines[:-1])) > 180.0

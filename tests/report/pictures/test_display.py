@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.model import Scan
-from stair_inspector.viewer.display import choose_display, display_of, estimate_spacing
+from stair_inspector.report.pictures.display import choose_display, display_of, estimate_spacing
 from tests.synthetic import Stair
 
 

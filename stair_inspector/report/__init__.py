@@ -1,0 +1,1 @@
+"""The report: its pictures, charts, drawings, and the documents they go into."""

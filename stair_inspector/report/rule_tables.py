@@ -1,0 +1,258 @@
+"""The tables of a check: what each clause limits, what was found, and whether the scan is good enough to say so."""
+
+from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
+from stair_inspector.codes.rules import GRADES, Limit, Rule
+from stair_inspector.codes.words import display_of
+from stair_inspector.model import Inspection
+from stair_inspector.report.cells import numbers_of
+from stair_inspector.report.document import Cell, Column, Number, Status, Table, Tone, plain
+from stair_inspector.report.fields import Checklist
+
+_MAPPED = {"going": "going", "tread_depth": "tread depth", "width": "tread width"}
+"""Quantities whose name in a code is not ours, or is that of another of ours: a US tread depth is our going."""
+TONES: dict[Verdict, Tone] = {
+    Verdict.WITHIN: "good",
+    Verdict.WITHIN_CLOSE: "close",
+    Verdict.OUTSIDE_CLOSE: "close",
+    Verdict.OUTSIDE: "bad",
+}
+"""The tone of a verdict; the others say nothing of a limit."""
+_TELLING = (
+    Verdict.OUTSIDE,
+    Verdict.OUTSIDE_CLOSE,
+    Verdict.WITHIN_CLOSE,
+    Verdict.NOT_MEASURED,
+    Verdict.NOT_JUDGED,
+)
+"""Verdicts of which every single finding is listed; what is plainly within is counted."""
+
+
+def status_of(verdict: Verdict) -> Status:
+    """Return a verdict with its tone."""
+    return Status(verdict.words, TONES.get(verdict, "plain"))
+
+
+def scaled(rule: Rule, value: float | None, *, is_u: bool = False) -> Cell:
+    """Return a value of a rule's quantity in the unit in which it is shown."""
+    if value is None:
+        return None
+    scale, _, digits = display_of(rule.quantity)
+    number = round(value * scale, 6)
+    return number if is_u else Number(number, digits)
+
+
+def unit_of(rule: Rule) -> str:
+    """Return the unit in which values of a rule's quantity are shown."""
+    return display_of(rule.quantity).unit
+
+
+def results_table(check: Check) -> Table:
+    """Return one row per rule and flight: the finding that matters most, of how many."""
+    columns = (
+        Column("Clause", width=1.5),
+        Column("What is limited", width=2.6),
+        Column("Limit as written", width=1.8),
+        Column("Flight", digits=0),
+        Column("Measured", digits=2),
+        Column("U", digits=2, is_u=True),
+        Column("Margin", digits=2),
+        Column("Unit"),
+        Column("At steps"),
+        Column("Findings", width=1.4),
+        Column("Result"),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    tones: list[tuple[int, Tone]] = []
+    for rule in check.rule_set.rules:
+        findings = check.of_rule(rule.rule_id)
+        for flight in dict.fromkeys(found.flight for found in findings):
+            here = tuple(found for found in findings if found.flight == flight)
+            worst = gravest(here)
+            tone = TONES.get(worst.verdict, "plain")
+            if tone in ("bad", "close"):
+                tones.append((len(rows), tone))
+            rows.append(
+                (
+                    plain(rule.clause),
+                    limited_words(rule),
+                    plain(rule.limit_text),
+                    flight,
+                    scaled(rule, worst.value),
+                    scaled(rule, worst.u, is_u=True),
+                    scaled(rule, worst.margin),
+                    unit_of(rule),
+                    numbers_of(worst.steps) if len(here) > 1 or len(worst.steps) > 1 else "",
+                    _counted(here),
+                    status_of(worst.verdict),
+                )
+            )
+    note = (
+        "One row per rule and flight, with the finding nearest to its limit or furthest beyond it. Margin: distance to "
+        "that limit, negative beyond it. Limits are compared with their exact size as written, not with a rounded one."
+    )
+    return Table("rules", "Results by rule", columns, tuple(rows), note, "The rule set has no rule.", tuple(tones))
+
+
+def findings_table(check: Check) -> Table:
+    """Return every finding that is not plainly within a limit, or says why nothing can be said."""
+    columns = (
+        Column("Clause", width=1.5),
+        Column("What is limited", width=2.2),
+        Column("Flight", digits=0),
+        Column("Steps"),
+        Column("Measured", digits=2),
+        Column("U", digits=2, is_u=True),
+        Column("Margin", digits=2),
+        Column("Unit"),
+        Column("Result"),
+        Column("Reason", width=2.8),
+    )
+    told = [found for found in check.findings if found.verdict in _TELLING]
+    rows: list[tuple[Cell, ...]] = []
+    tones: list[tuple[int, Tone]] = []
+    for found in told:
+        tone = TONES.get(found.verdict, "plain")
+        if tone in ("bad", "close"):
+            tones.append((len(rows), tone))
+        rows.append(
+            (
+                plain(found.rule.clause),
+                limited_words(found.rule),
+                found.flight,
+                numbers_of(found.steps),
+                scaled(found.rule, found.value),
+                scaled(found.rule, found.u, is_u=True),
+                scaled(found.rule, found.margin),
+                unit_of(found.rule),
+                status_of(found.verdict),
+                plain(found.reason),
+            )
+        )
+    return Table(
+        "findings",
+        "Findings that are not plainly within",
+        columns,
+        tuple(rows),
+        empty="Every value that was held against a limit is within it by more than its uncertainty.",
+        tones=tuple(tones),
+    )
+
+
+def by_step_table(inspection: Inspection, check: Check) -> Table:
+    """Return the verdict on every step by every rule that judges single steps or neighbours."""
+    rules = [
+        rule
+        for rule in check.rule_set.rules
+        if rule.statistic in ("each", "adjacent_difference")
+        and any(found.steps for found in check.of_rule(rule.rule_id))
+    ]
+    columns = (
+        Column("Step", digits=0),
+        *(Column(f"{plain(rule.clause)}: {limited_words(rule)}", plain(rule.limit_text), width=1.2) for rule in rules),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    tones: list[tuple[int, Tone]] = []
+    for step in inspection.steps:
+        cells: list[Cell] = [step.step_id]
+        for rule in rules:
+            here = tuple(found for found in check.of_rule(rule.rule_id) if _is_about(found, step.step_id))
+            cells.append(status_of(gravest(here).verdict) if here else None)
+        row_tones = {cell.tone for cell in cells if isinstance(cell, Status)}
+        if row_tones & {"bad", "close"}:
+            tones.append((len(rows), "bad" if "bad" in row_tones else "close"))
+        rows.append(tuple(cells))
+    note = "A difference of neighbours stands in the row of the upper of the two steps. – is not subject to the rule."
+    return Table("by_step", "Results by step", columns, tuple(rows), note, "No step was judged.", tuple(tones))
+
+
+def fits_table(check: Check) -> Table:
+    """Return for every rule whether the scan is good enough to judge it."""
+    columns = (
+        Column("Clause", width=1.5),
+        Column("What is limited", width=2.6),
+        Column("Largest U", digits=2, is_u=True),
+        Column("Tolerance", digits=2),
+        Column("Unit"),
+        Column("Fit for this check?"),
+        Column("In words", width=3.0),
+        Column("Source"),
+    )
+    rules = {rule.rule_id: rule for rule in check.rule_set.rules}
+    rows: list[tuple[Cell, ...]] = []
+    tones: list[tuple[int, Tone]] = []
+    for fit in check.fits:
+        rule = rules[fit.rule_id]
+        if fit.is_fit is False:
+            tones.append((len(rows), "close"))
+        state = Status("nothing to say", "plain") if fit.is_fit is None else _FIT[fit.is_fit]
+        rows.append(
+            (
+                plain(rule.clause),
+                limited_words(rule),
+                scaled(rule, fit.u, is_u=True),
+                scaled(rule, fit.tolerance),
+                unit_of(rule) if fit.u is not None else "",
+                state,
+                plain(fit.words),
+                rule.grade,
+            )
+        )
+    grades = "; ".join(f"{grade}: {words}" for grade, words in GRADES.items())
+    note = (
+        "The largest uncertainty of the values is held against the room that the rule leaves. A check for which the "
+        f"scan is not fit can still be outside for certain. Source, of the limit in the rule file: {grades}."
+    )
+    return Table("fits", "Is the scan good enough for each check?", columns, tuple(rows), note, "", tuple(tones))
+
+
+def edits_table(check: Check) -> Table:
+    """Return the limits that a user has changed, oldest first."""
+    columns = (
+        Column("Rule", width=2.0),
+        Column("Side"),
+        Column("Before"),
+        Column("After"),
+        Column("Reason", width=3.0),
+    )
+    rows = tuple(
+        (plain(edit.rule_id), edit.side, _limit_words(edit.before), _limit_words(edit.after), plain(edit.reason))
+        for edit in check.rule_set.edits
+    )
+    return Table("edits", "Limits edited by the user", columns, rows, empty="No limit was edited by the user.")
+
+
+def checklist_table(checklist: Checklist) -> Table:
+    """Return what no scan shows, with what the inspector saw of it or that it was not assessed."""
+    columns = (Column("Item", width=2.0), Column("Seen on site", width=3.0))
+    rows: list[tuple[Cell, ...]] = []
+    for name in Checklist.__dataclass_fields__:
+        seen = getattr(checklist, name)
+        rows.append((Checklist.label_of(name), plain(seen) if seen else Status("not assessed", "plain")))
+    return Table("checklist", "Checked on site, not by the scan", columns, tuple(rows))
+
+
+def limited_words(rule: Rule) -> str:
+    """Return what a rule limits: the code's own term, and our word where the same word means another thing."""
+    words = plain(rule.term)
+    ours = _MAPPED.get(rule.quantity, "")
+    return f"{words} (our {ours})" if ours and ours not in words.casefold() else words
+
+
+def _is_about(found: Finding, step_id: int) -> bool:
+    return bool(found.steps) and found.steps[-1] == step_id
+
+
+def _counted(findings: tuple[Finding, ...]) -> str:
+    """Return how many findings a row stands for, and how many of them are of its verdict."""
+    if len(findings) == 1:
+        return "1"
+    worst = gravest(findings).verdict
+    same = sum(found.verdict is worst for found in findings)
+    return f"{len(findings)}, of which {same} {worst.words}" if same < len(findings) else f"{len(findings)}, all so"
+
+
+def _limit_words(limit: Limit | None) -> str:
+    return "none" if limit is None else plain(limit.text)
+
+
+_FIT = {True: Status("fit", "good"), False: Status("not fit", "close")}

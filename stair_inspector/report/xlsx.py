@@ -1,0 +1,194 @@
+"""A report as a workbook: one sheet for each table, numbers as numbers, units in the heads, no formulas."""
+
+import io
+from typing import Any
+
+from stair_inspector.errors import MissingLibrary
+from stair_inspector.report.document import (
+    Bullets,
+    Cell,
+    Column,
+    Document,
+    Facts,
+    KeyFigures,
+    Number,
+    Paragraph,
+    Signatures,
+    Status,
+    Table,
+)
+
+_LONGEST_NAME = 31
+_LONGEST_CELL = 32_000
+"""Characters: a workbook takes 32,767 in one cell."""
+_WIDEST, _NARROWEST = 60, 8
+_COLOURS = {"good": "#1F6B45", "close": "#8A5A00", "bad": "#B3261E", "plain": "#5B6670"}
+_FILLS = {"close": "#FDF5E3", "bad": "#FCEBE9"}
+_ABOUT = (
+    "One sheet for each table of the report. An empty cell was not measured or is not defined. Numbers are not "
+    "rounded; the report shows as many decimals as the cell's format."
+)
+
+
+def xlsx_bytes(document: Document) -> bytes:
+    """Return the report's tables and texts as XLSX; what looks like a formula or a link stays text.
+
+    Raises
+    ------
+    MissingLibrary
+        XlsxWriter is not installed.
+    """
+    try:
+        import xlsxwriter  # type: ignore[import-untyped]
+    except ImportError as error:
+        raise MissingLibrary(
+            "XlsxWriter is not installed, which writes the workbook: pip install XlsxWriter"
+        ) from error
+    stream = io.BytesIO()
+    options = {
+        "in_memory": True,
+        "strings_to_formulas": False,
+        "strings_to_urls": False,
+        "strings_to_numbers": False,
+        "nan_inf_to_errors": False,
+    }
+    with xlsxwriter.Workbook(stream, options) as workbook:
+        workbook.set_properties(
+            {
+                "title": _cut(document.title, 200),
+                "company": _cut(document.firm, 200),
+                # The one time in a workbook; without it the clock's would be there.
+                "created": document.made_at.replace(tzinfo=None),
+            }
+        )
+        sheets = _Sheets(workbook)
+        sheets.about(document)
+        sheets.facts(document)
+        sheets.texts(document)
+        for table in document.tables():
+            if table.rows:
+                sheets.table(table)
+    return stream.getvalue()
+
+
+class _Sheets:
+    """Writes the sheets of one workbook."""
+
+    def __init__(self, workbook: Any) -> None:
+        self._workbook = workbook
+        self._names: set[str] = set()
+        self._formats: dict[tuple[Any, ...], Any] = {}
+        self._head = workbook.add_format(
+            {"bold": True, "text_wrap": True, "valign": "bottom", "bottom": 2, "bottom_color": "#12466B"}
+        )
+        self._plain = workbook.add_format({"text_wrap": True, "valign": "top"})
+
+    def about(self, document: Document) -> None:
+        """Write what the workbook holds."""
+        rows = [
+            (_sheet_of(table), f"{table.title}. {table.note if table.rows else table.empty}")
+            for table in document.tables()
+        ]
+        made = f"{document.made_at:%Y-%m-%d}"
+        head = [(document.title, " · ".join(part for part in (document.reference, made) if part)), ("", _ABOUT)]
+        self._texts("About", ("Sheet", "What it holds"), [*head, *rows], (34, 110))
+
+    def facts(self, document: Document) -> None:
+        """Write the identity, instrument, scan and rule set: labels with values."""
+        rows = [("", label, value) for label, value in document.identity]
+        for block in document.blocks():
+            if isinstance(block, Facts):
+                rows += [(block.title, label, value) for label, value in block.items]
+            elif isinstance(block, Signatures):
+                rows += [(role, label, value) for role, lines in block.items for label, value in lines]
+        self._texts("Fields", ("Group", "Field", "Value"), rows, (22, 30, 90))
+
+    def texts(self, document: Document) -> None:
+        """Write the sentences of the report."""
+        rows = []
+        for title, blocks in (("", document.front), *((s.title, s.blocks) for s in document.sections)):
+            for block in blocks:
+                if isinstance(block, Paragraph):
+                    rows.append((title, block.text))
+                elif isinstance(block, Bullets):
+                    rows += [(title, item) for item in block.items]
+                elif isinstance(block, KeyFigures):
+                    rows += [(title, f"{item.label}: {item.value} {item.unit}".strip()) for item in block.items]
+                    rows += [] if block.status is None else [(title, block.status.words)]
+        self._texts("Text", ("Section", "Text"), rows, (34, 120))
+
+    def table(self, table: Table) -> None:
+        """Write one table."""
+        sheet = self._workbook.add_worksheet(self._name_of(_sheet_of(table)))
+        for k, column in enumerate(table.columns):
+            sheet.write_string(0, k, _cut(column.title), self._head)
+            sheet.set_column(k, k, _width_of(table, k))
+            for row, cells in enumerate(table.rows, 1):
+                self._write(sheet, row, k, column, cells[k], table.tone_of(row - 1))
+        sheet.freeze_panes(1, 1)
+        sheet.autofilter(0, 0, len(table.rows), len(table.columns) - 1)
+        sheet.set_landscape()
+        sheet.fit_to_pages(1, 0)
+        sheet.repeat_rows(0)
+
+    def _texts(self, name: str, heads: tuple[str, ...], rows: list[Any], widths: tuple[int, ...]) -> None:
+        sheet = self._workbook.add_worksheet(self._name_of(name))
+        for k, (head, width) in enumerate(zip(heads, widths, strict=True)):
+            sheet.write_string(0, k, head, self._head)
+            sheet.set_column(k, k, width)
+        for row, cells in enumerate(rows, 1):
+            for k, text in enumerate(cells):
+                if text:
+                    sheet.write_string(row, k, _cut(text), self._plain)
+        sheet.freeze_panes(1, 0)
+
+    def _write(self, sheet: Any, row: int, k: int, column: Column, cell: Cell, tone: str) -> None:
+        if cell is None or cell == "":
+            sheet.write_blank(row, k, None, self._format("", None, tone))
+        elif isinstance(cell, Status):
+            sheet.write_string(row, k, cell.words, self._format("", cell.tone, tone))
+        elif isinstance(cell, str):
+            sheet.write_string(row, k, _cut(cell), self._format("", None, tone))
+        else:
+            value, digits = (cell.value, cell.digits) if isinstance(cell, Number) else (cell, column.digits or 0)
+            # An uncertainty is shown with the digits that mean something, two at least.
+            digits = max(digits, 2) if column.is_u else digits
+            pattern = f"0.{'0' * digits}" if digits else "0"
+            sheet.write_number(row, k, value, self._format(pattern, None, tone))
+
+    def _format(self, pattern: str, text_tone: str | None, row_tone: str) -> Any:
+        key = (pattern, text_tone, row_tone)
+        if key not in self._formats:
+            values: dict[str, Any] = {"valign": "top"}
+            values |= {"num_format": pattern} if pattern else {"text_wrap": True}
+            values |= {"font_color": _COLOURS[text_tone], "bold": True} if text_tone else {}
+            values |= {"bg_color": _FILLS[row_tone]} if row_tone in _FILLS else {}
+            self._formats[key] = self._workbook.add_format(values)
+        return self._formats[key]
+
+    def _name_of(self, title: str) -> str:
+        """Return a sheet's name: without the signs that a workbook forbids, and once only, whatever its capitals."""
+        words = "".join(" " if letter in "[]:*?/\\'" else letter for letter in title).strip()[:_LONGEST_NAME].strip()
+        name, number = words or "Table", 2
+        while name.casefold() in self._names:
+            ending = f" {number}"
+            name = words[: _LONGEST_NAME - len(ending)] + ending
+            number += 1
+        self._names.add(name.casefold())
+        return name
+
+
+def _sheet_of(table: Table) -> str:
+    return table.key.replace("_", " ").capitalize()
+
+
+def _width_of(table: Table, k: int) -> int:
+    column = table.columns[k]
+    longest = max((len(column.text(row[k])) for row in table.rows), default=0)
+    head = max(len(word) for word in column.title.split(" "))
+    return max(_NARROWEST, min(_WIDEST, max(longest, head) + 3))
+
+
+def _cut(text: str, most: int = _LONGEST_CELL) -> str:
+    """Return a text that fits into a cell; what is cut off is counted, and is whole in the other formats."""
+    return text if len(text) <= most else f"{text[:most]} [and {len(text) - most} more characters, see the report]"

@@ -1,0 +1,132 @@
+"""Which rules are chosen: sets, overlays, own files and changed limits, and what is wrong with a choice."""
+
+import dataclasses
+
+import pytest
+
+from stair_inspector.codes import Limit, RuleEdit
+from stair_inspector.errors import ConfigError
+from stair_inspector.files.chosen_rules import (
+    ChosenRules,
+    RuleFile,
+    chosen_from_dict,
+    chosen_to_dict,
+    known_sets,
+    limit_of,
+    rule_set_of,
+    with_edit,
+    without_edits,
+)
+from stair_inspector.files.paths import static_configs
+from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
+
+IBC = ChosenRules("us-ibc-2021")
+OWN = (static_configs() / "codes" / "us-irc-2024.toml").read_text("utf-8").replace("us-irc-2024", "my-rules", 1)
+MM_180 = Limit.of("180", "mm")
+
+
+def test_no_choice_is_no_check():
+    assert rule_set_of(ChosenRules()) is None
+
+
+@pytest.mark.parametrize("rule_set", [each for each in list_rule_sets() if not each.is_overlay], ids=lambda s: s.set_id)
+def test_every_set_of_the_program_can_be_chosen(rule_set):
+    assert rule_set_of(ChosenRules(rule_set.set_id)) == rule_set
+
+
+def test_an_overlay_lies_over_the_set():
+    made = rule_set_of(dataclasses.replace(IBC, overlay_ids=("us-nfpa-101-uniformity",)))
+    overlay = find_rule_set("us-nfpa-101-uniformity")
+    assert made.rules == find_rule_set("us-ibc-2021").rules + overlay.rules
+    assert overlay.sha256 in made.overlays[0]
+
+
+def test_a_changed_limit_is_kept_with_its_reason_and_can_be_taken_back():
+    changed = with_edit(IBC, "riser", "maximum", MM_180, "agreed with the client")
+    changed = with_edit(changed, "riser", "minimum", None, "no lower limit here")
+    changed = with_edit(changed, "tread-depth", "minimum", Limit.of("280", "mm"), "metric print")
+    made = rule_set_of(changed)
+    assert limit_of(made.rule("riser"), "maximum") == MM_180
+    assert limit_of(made.rule("riser"), "minimum") is None
+    assert [(edit.rule_id, edit.side, edit.reason) for edit in made.edits] == [
+        ("riser", "maximum", "agreed with the client"),
+        ("riser", "minimum", "no lower limit here"),
+        ("tread-depth", "minimum", "metric print"),
+    ]
+    assert rule_set_of(without_edits(changed)) == rule_set_of(IBC)
+    kept = without_edits(changed, "riser")
+    assert [edit.rule_id for edit in kept.edits] == ["tread-depth"]
+    assert limit_of(rule_set_of(kept).rule("riser"), "maximum") == Limit.of("7", "in")
+
+
+def test_a_limit_changed_twice_tells_both_changes_and_comes_back_in_one():
+    twice = with_edit(with_edit(IBC, "riser", "maximum", MM_180, "a"), "riser", "maximum", Limit.of("8", "in"), "b")
+    assert [edit.before for edit in twice.edits] == [Limit.of("7", "in"), MM_180]
+    assert without_edits(twice, "riser") == IBC
+
+
+def test_an_own_file_is_a_set_like_any_other_and_travels_whole():
+    own = RuleFile.of("C:\\rules\\mine.toml", OWN.encode())
+    chosen = ChosenRules("my-rules", files=(own,))
+    assert own.name == "mine.toml"
+    assert rule_set_of(chosen).rules == find_rule_set("us-irc-2024").rules
+    assert list(known_sets(chosen))[-1] == "my-rules"
+    assert chosen_from_dict(chosen_to_dict(chosen)) == chosen
+
+
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_an_own_files_hash_is_that_of_its_bytes(tmp_path, mark):
+    data = (mark + "# Größe\r\n" + OWN).encode()
+    path = tmp_path / "mine.toml"
+    path.write_bytes(data)
+    if mark:
+        with pytest.raises(ConfigError, match="not valid TOML"):
+            RuleFile.of("mine.toml", data)
+    else:
+        assert RuleFile.of("mine.toml", data).rule_set.sha256 == find_rule_set(str(path)).sha256
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: rule_set_of(ChosenRules("us-ibc-2022")), "rules: unknown rule set 'us-ibc-2022'; did you mean 'us-ib"),
+        (
+            lambda: rule_set_of(ChosenRules("us-nfpa-101-uniformity")),
+            "rules: us-nfpa-101-uniformity is an overlay; choose a full set, and lay it over that",
+        ),
+        (
+            lambda: rule_set_of(dataclasses.replace(IBC, overlay_ids=("us-irc-2024",))),
+            "rule set us-irc-2024 is a full set, no overlay; check against it by itself",
+        ),
+        (lambda: with_edit(ChosenRules(), "riser", "maximum", MM_180, "x"), "edit a limit: choose a rule set first"),
+        (
+            lambda: with_edit(IBC, "riser", "maximum", Limit.of("7", "in"), "x"),
+            "edit a limit: the maximum of riser is 7 in (177.8 mm) already",
+        ),
+        (
+            lambda: with_edit(IBC, "riser", "maximum", Limit.of("3", "in"), "x"),
+            "rule riser: minimum 4 in (101.6 mm) is above maximum 3 in (76.2 mm); exchange them",
+        ),
+        (lambda: with_edit(IBC, "riser", "maximum", Limit.of("3", "deg"), "x"), "rule riser: maximum: 3° is no limit "),
+        (lambda: with_edit(IBC, "rise", "maximum", MM_180, "x"), "rule set us-ibc-2021: has no rule 'rise'"),
+        (lambda: without_edits(IBC), "take back: nothing to revert"),
+        (lambda: without_edits(IBC, "riser"), "take back: no limit of this rule was changed"),
+        (
+            lambda: rule_set_of(
+                dataclasses.replace(IBC, edits=(RuleEdit("riser", "maximum", MM_180, Limit.of("8", "in"), "x"),))
+            ),
+            "rules: the maximum of riser was 180 mm when it was changed and is 7 in (177.8 mm) in us-ibc-2021.toml",
+        ),
+        (
+            lambda: RuleFile("a.toml", OWN.replace("my-rules", "us-ibc-2021", 1)),
+            "a.toml: the id 'us-ibc-2021' is that ",
+        ),
+        (lambda: RuleFile.of("a.toml", b"\xff\xfe"), "a.toml: is not a text file; give a TOML file"),
+        (lambda: RuleFile("a.toml", "id = '\ud800'"), "a.toml: holds half a letter; give a text file"),
+    ],
+)
+def test_what_is_wrong_with_a_choice_is_a_sentence(make, words):
+    with pytest.raises(ConfigError) as error:
+        make()
+    assert str(error.value).startswith(words)
+    assert "\n" not in str(error.value)

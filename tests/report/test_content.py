@@ -1,0 +1,308 @@
+"""What a report holds: everything that a stair survey report is expected to, and nothing that it must not say."""
+
+import dataclasses
+import re
+
+import pytest
+
+from stair_inspector.codes import Limit, check, edited, overlaid
+from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
+from stair_inspector.model import Note
+from stair_inspector.params import Params
+from stair_inspector.pipeline import inspect
+from stair_inspector.report.document import Facts, Figure, KeyFigures, Signatures, Table
+from stair_inspector.report.fields import Checklist, Photo, ReportBasis, ReportFields
+from stair_inspector.report.wording import outside_sentences, uncertainty_sentences, verdict_of
+from tests.codes.flights import changed, even, flight_of, inspection_of, measured
+from tests.report.samples import BASIS, HOSTILE, MADE_AT, checked, document, html_page, plain_document, scanned
+
+BANNED = re.compile(
+    r"compliant|complies|compliance|\blegal(ly)?\b|violat|\bpass(es|ed)?\b|\bfail(s|ed|ure)?\b", re.IGNORECASE
+)
+
+
+def text_of(made):
+    return html_page(made).text
+
+
+def table_of(made, key):
+    return next(table for table in made.tables() if table.key == key)
+
+
+def facts_of(made):
+    found = dict(made.identity)
+    for block in made.blocks():
+        if isinstance(block, Facts):
+            found |= dict(block.items)
+        elif isinstance(block, Signatures):
+            found |= {f"{role}: {label}": value for role, lines in block.items for label, value in lines}
+    return found
+
+
+@pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(ReportFields)])
+def test_every_field_of_the_user_is_in_the_report_and_empty_it_is_a_blank(name):
+    filled = plain_document(scanned()[1], None, ReportBasis(fields=ReportFields(**{name: "given by the user"})))
+    label = {"reviewed_by": "Name", "reviewed_on": "Date"}.get(name, ReportFields.label_of(name))
+    facts = {**facts_of(filled), "Title": facts_of(filled).get("Title") or filled.title}
+    assert any(value == "given by the user" for key, value in facts.items() if key.split(": ")[-1] == label)
+    blank = facts_of(plain_document(scanned()[1]))
+    assert any(key.split(": ")[-1] == label for key in blank)
+
+
+def test_a_report_without_fields_has_blanks_and_no_invention():
+    facts = facts_of(plain_document(scanned()[1]))
+    for name in (field.name for field in dataclasses.fields(ReportFields)):
+        assert facts.get(ReportFields.label_of(name), "") == ""
+
+
+def test_the_scan_and_the_program_are_named():
+    scan, inspection = scanned()
+    facts = facts_of(document())
+    assert facts["SHA-256"] == scan.sha256 == inspection.scan.sha256
+    assert facts["Scan file"] == "defective_step.ply"
+    assert facts["Points in the file"].replace("\u202f", "") == str(inspection.scan.n_points)
+    assert facts["Unit of the file"] == "m"
+    assert "normal of the floor" in facts["Up vector"]
+    assert facts["Software"].startswith("stair_inspector ")
+
+
+def test_every_setting_is_listed_and_changed_ones_are_marked():
+    _, inspection = scanned()
+    rows = table_of(document(), "settings").rows
+    names = {row[0] for row in rows}
+    groups = dataclasses.asdict(Params())
+    expected = {name for name, value in groups.items() if not isinstance(value, dict)}
+    expected |= {f"{group}.{name}" for group, value in groups.items() if isinstance(value, dict) for name in value}
+    assert names == expected
+    for row in rows:
+        is_changed = inspection.params.value(row[0]) != Params().value(row[0])
+        assert (row[-1] == "changed") == is_changed
+
+
+def test_what_the_inspector_overruled_is_listed_with_its_reason():
+    scan, _ = scanned()
+    force = "level:2=rejected (a box; see <photo>)"
+    inspection = inspect(scan, Params().replaced("overrules.force", force))
+    rows = table_of(plain_document(inspection), "overrules").rows
+    assert rows == (("level 2", "rejected", "a box; see <photo>"),)
+
+
+def test_an_edited_rule_set_says_so():
+    rules = edited(find_rule_set("us-ibc-2021"), "riser", "maximum", Limit.of("8", "in"), "approved by the city")
+    made = plain_document(scanned()[1], check(scanned()[1], rules))
+    assert facts_of(made)["Edited by the user"] == "yes"
+    assert table_of(made, "edits").rows[0][-1] == "approved by the city"
+    assert "Limits of the rule set were edited by the user" in text_of(made)
+    plain_one = document()
+    assert facts_of(plain_one)["Edited by the user"] == "no"
+
+
+def test_the_rule_set_its_file_and_hash_are_named():
+    facts = facts_of(document())
+    rules = checked().rule_set
+    assert facts["SHA-256 of the file"] == rules.sha256
+    assert (facts["Id"], facts["Edition"]) == ("us-ibc-2021", "2021")
+    assert facts["Reference code"] == rules.title
+
+
+def test_an_overlay_is_named_and_its_rules_are_judged():
+    rules = overlaid(find_rule_set("us-ibc-2021"), find_rule_set("us-nfpa-101-uniformity"))
+    made = plain_document(scanned()[1], check(scanned()[1], rules))
+    assert "us-nfpa-101-uniformity" in facts_of(made)["Overlays"]
+    assert any("7.2.2.3.6" in str(row[0]) for row in table_of(made, "rules").rows)
+
+
+def test_the_tables_of_a_survey_report_are_there_with_their_columns():
+    made = document()
+    expected = {
+        "flights": {"Risers", "Total rise", "Total run", "Mean rise", "Mean going", "Pitch", "Tread width"}
+        | {"Range of rise", "Largest change of rise", "Between steps"},
+        "steps": {"Step", "Rise", "Going", "Tread depth", "Overhang", "Width", "2R + G", "Pitch", "Diagonal", "U rise"},
+        "evidence": {"Fall", "Cross-fall", "Rise left", "Rise centre", "Rise right", "Points", "Coverage", "Plane RMS"}
+        | {"Flags"},
+        "uniformity": {"n", "Mean", "SD", "Smallest", "Largest", "Range", "Largest difference of neighbours"},
+        "rules": {"Clause", "What is limited", "Limit as written", "Measured", "Margin", "U", "Result"},
+        "closure": {"Sum of rises", "Plane to plane", "Difference", "Result"},
+        "readings": {"By hand", "Scan", "Difference", "Result"},
+        "fits": {"Fit for this check?", "Largest U", "Tolerance", "Source"},
+        "checklist": {"Item", "Seen on site"},
+    }
+    for key, names in expected.items():
+        assert names <= {column.name for column in table_of(made, key).columns}, key
+
+
+def test_the_pictures_and_drawings_are_there():
+    keys = [figure.key for figure in document().figures()]
+    for start in ("raw_", "segmented_", "residuals", "rise_", "going_", "nosing_line_", "plan_", "section_"):
+        assert any(key.startswith(start) for key in keys), start
+    assert len(keys) == len(set(keys))
+
+
+def test_photos_of_the_site_are_shown_with_their_captions():
+    basis = ReportBasis(photos=(Photo(b"data", "from below"), Photo(b"data")))
+    figures = [block for block in plain_document(scanned()[1], None, basis).blocks() if isinstance(block, Figure)]
+    assert [figure.caption for figure in figures] == ["Photograph 1: from below", "Photograph 2"]
+
+
+def test_items_that_no_scan_shows_are_listed_as_not_assessed():
+    rows = {row[0]: row[1] for row in table_of(document(), "checklist").rows}
+    for item in ("Slip resistance", "Lighting", "Contrast", "Handrails", "Headroom"):
+        assert any(label.startswith(item) and cell.words == "not assessed" for label, cell in rows.items())
+    text = text_of(document())
+    for sentence in checked().not_assessed:
+        assert sentence in text
+
+
+def test_the_uncertainty_is_stated_in_words():
+    text = " ".join(uncertainty_sentences(scanned()[1]))
+    for words in (
+        "k = 2",
+        "about 95 %",
+        "JCGM 100",
+        "RMS of a plane is not its accuracy",
+        "type A",
+        "LOA50",
+        "vertical",
+    ):
+        assert words in text
+    assert "0.07 mm of registration" in text
+
+
+def test_nothing_stated_about_the_scanner_is_said_to_be_missing():
+    text = " ".join(uncertainty_sentences(inspection_of(even(3, u=0.0004))))
+    assert "Nothing was stated about the scanner" in text
+    assert "The true uncertainty is larger" in text
+    assert "taken as exact" in text
+
+
+def test_a_tilt_is_told_in_millimetres_of_rise():
+    inspection = inspection_of(even(4))
+    tilted = dataclasses.replace(inspection, up=dataclasses.replace(inspection.up, source="floor", u_deg=1.0))
+    text = " ".join(uncertainty_sentences(tilted))
+    # 290 mm times the sine of a degree, and its tangent.
+    assert "shifts every rise by 5.1 mm" in text
+    assert "every slope by 1.7 %" in text
+
+
+@pytest.mark.parametrize("rules", [each.set_id for each in list_rule_sets()])
+def test_no_report_passes_a_legal_judgement(rules):
+    own = find_rule_set(rules)
+    for name in ("defective_step", "straight"):
+        made = plain_document(scanned(name)[1], check(scanned(name)[1], own))
+        texts = text_of(made)
+        for quoted in (own.source, *own.not_assessed, *(rule.term for rule in own.rules)):
+            texts = texts.replace(quoted, "")
+        assert BANNED.findall(texts) == []
+
+
+def test_an_outside_value_is_told_with_clause_and_edition():
+    steps = changed(even(4), 2, rise_m=measured(0.19, 0.0002))
+    found = check(inspection_of(steps), find_rule_set("us-ibc-2021"))
+    first = outside_sentences(found)[0]
+    assert first == (
+        "Flight 1, step 2: riser height is 190.00 ± 0.2 mm, outside the limit 7 in (177.8 mm) listed in 1011.5.2, "
+        "International Building Code, 2021, by 12.20 mm."
+    )
+
+
+def test_an_outside_value_that_is_close_says_so():
+    found = check(inspection_of(even(4, rise=measured(0.178, 0.0005))), find_rule_set("us-ibc-2021"))
+    assert outside_sentences(found)[0].endswith(
+        "by 0.20 mm, by less than U; 4 findings of this rule are outside, this is the furthest."
+    )
+    assert verdict_of(found).tone == "close"
+
+
+def test_a_check_in_which_all_is_within_says_no_more_than_that():
+    found = check(inspection_of(even(6, width=1.3)), find_rule_set("us-ibc-2021"))
+    assert verdict_of(found).words == "measured values within limits"
+    made = plain_document(inspection_of(even(6, width=1.3)), found)
+    assert "nothing that was measured is outside a limit" in text_of(made).lower()
+
+
+def test_what_was_not_measured_is_not_within():
+    steps = changed(even(6, width=1.3), 1, rise_m=None)
+    found = check(inspection_of(steps), find_rule_set("us-ibc-2021"))
+    assert verdict_of(found).tone == "close"
+    assert any(
+        row[-2].words == "not measured"
+        for row in table_of(plain_document(inspection_of(steps), found), "findings").rows
+    )
+
+
+def test_a_rule_that_does_not_apply_leaves_nothing_open():
+    # The dwelling set limits nosings where treads are shallower than 11 in; these are deeper.
+    found = check(scanned("straight")[1], find_rule_set("us-ibc-2021-dwelling"))
+    assert any(finding.verdict.words == "not judged" for finding in found.findings)
+    assert verdict_of(found).words == "measured values within limits"
+
+
+def test_a_report_without_rules_says_that_none_were_applied():
+    made = plain_document(scanned()[1])
+    assert "no rule set was applied" in text_of(made)
+    assert not any(section.title == "Check against the rule set" for section in made.sections)
+    assert not any(isinstance(block, KeyFigures) and block.status for block in made.blocks())
+
+
+def test_no_staircase_is_an_answer_of_the_report():
+    empty = dataclasses.replace(
+        inspection_of(even(1)),
+        steps=(),
+        flights=(),
+        notes=(Note("no_staircase", "verdict", "no staircase found: one level and nothing above it"),),
+    )
+    for found in (None, check(empty, find_rule_set("us-ibc-2021"))):
+        made = plain_document(empty, found)
+        text = text_of(made)
+        assert "No staircase found: one level and nothing above it." in text
+        assert "Sign-off" in text
+        assert not any(table.key == "steps" for table in made.tables())
+
+
+def test_a_winding_flight_is_reported_and_not_judged():
+    steps = even(5)
+    winding = inspection_of(steps, [flight_of(steps, shape="winder")])
+    made = plain_document(winding, check(winding, find_rule_set("us-ibc-2021")))
+    assert "Flight 1 winds" in text_of(made)
+    assert {row[-1].words for row in table_of(made, "rules").rows} <= {"not judged", "not assessed"}
+
+
+def test_the_papers_method_reports_its_own_quantities_and_judges_nothing():
+    scan, _ = scanned()
+    inspection = inspect(scan, Params(method="paper"))
+    made = plain_document(inspection, check(inspection, find_rule_set("us-ibc-2021")))
+    assert len(table_of(made, "paper").rows) == len(inspection.steps)
+    assert not any(table.key == "steps" for table in made.tables())
+    assert "no limit of a code applies" in text_of(made)
+
+
+def test_sections_are_numbered_without_a_gap_and_appendices_lettered():
+    for made in (document(), plain_document(scanned()[1])):
+        numbers = [section.number for section in made.sections]
+        digits = [number for number in numbers if number.isdigit()]
+        letters = [number for number in numbers if not number.isdigit()]
+        assert digits == [str(k) for k in range(1, len(digits) + 1)]
+        assert "".join(letters) == "ABCD"
+
+
+def test_the_same_input_gives_the_same_document():
+    _, inspection = scanned()
+    assert plain_document(inspection, checked(), BASIS) == plain_document(inspection, checked(), BASIS)
+
+
+def test_hostile_notes_and_names_reach_every_table_as_text():
+    inspection = inspection_of(even(3), notes=[("x", HOSTILE, 2)])
+    named = dataclasses.replace(inspection, scan=dataclasses.replace(inspection.scan, name=HOSTILE))
+    made = plain_document(named, None, ReportBasis(checklist=Checklist(lighting=HOSTILE)))
+    assert facts_of(made)["Scan file"] == HOSTILE
+    assert table_of(made, "notes").rows[0][-1] == HOSTILE
+    assert (Checklist.label_of("lighting"), HOSTILE) in table_of(made, "checklist").rows
+
+
+def test_tables_know_their_number_of_columns():
+    with pytest.raises(ValueError, match="row 0 has 1 cells for 2 columns"):
+        Table("t", "T", document().tables()[0].columns[:2], (("a",),))
+
+
+def test_the_date_is_the_one_given():
+    assert document().made_at == MADE_AT

@@ -1,0 +1,123 @@
+"""``--report`` on the command line: which files, whose fields and rules, one line for an error."""
+
+import hashlib
+import io
+import json
+
+import openpyxl
+import pytest
+from pypdf import PdfReader
+
+from stair_inspector.codes import RuleEdit
+from stair_inspector.codes.rules import Limit
+from stair_inspector.files.chosen_rules import ChosenRules
+from stair_inspector.files.projects import Project, save_project
+from stair_inspector.params import Params
+from stair_inspector.report.fields import ReportBasis, ReportFields, TapeReading, basis_to_dict
+from tests.test_cli import refusal, run, stair_file  # noqa: F401 - fixtures
+
+NAMES = ("_report.pdf", "_report.html", "_report.xlsx", "_plan.dxf", "_section.dxf")
+
+
+def pdf_text(path):
+    return "\n".join(page.extract_text() for page in PdfReader(path).pages)
+
+
+@pytest.fixture
+def project_file(tmp_path, stair_file):  # noqa: F811
+    """A project with rules of which one limit was changed, and with fields and a reading for the report."""
+    riser = Limit.of("7 3/4", "in")
+    basis = ReportBasis(
+        fields=ReportFields(client="Client Ltd", report_number="R-17"),
+        readings=(TapeReading("rise", 0.171, step=2, instrument="steel tape"),),
+    )
+    project = Project(
+        scan_file=stair_file.name,
+        scan_sha256=hashlib.sha256(stair_file.read_bytes()).hexdigest(),
+        params=Params().replaced("levels.eps_m", 0.021),
+        title="North stair",
+        rules=ChosenRules(
+            "us-irc-2024",
+            decision="simple",
+            edits=(RuleEdit("riser", "maximum", riser, Limit.of("6", "in"), "an older text"),),
+        ),
+        report=basis_to_dict(basis),
+    )
+    path = stair_file.with_name("kept.stair.json")
+    save_project(path, project)
+    return path
+
+
+def test_a_report_is_written_beside_the_files_of_measure_and_said(run, tmp_path, stair_file):  # noqa: F811
+    code, out, err = run("measure", stair_file, "-o", tmp_path, "--report", "--rules", "us-irc-2024")
+    assert (code, err) == (0, "")
+    for name in NAMES:
+        path = tmp_path / f"{stair_file.stem}{name}"
+        assert str(path) in out
+        assert path.stat().st_size > 1000
+    text = pdf_text(tmp_path / f"{stair_file.stem}_report.pdf")
+    assert "R318.7.5.1" in text
+    assert hashlib.sha256(stair_file.read_bytes()).hexdigest() in text.replace("\n", "")
+
+
+def test_a_report_holds_what_the_file_of_fields_says(run, tmp_path, stair_file):  # noqa: F811
+    fields = tmp_path / "fields.toml"
+    fields.write_text('[fields]\nclient = "#set page() <b>&amp;"\nfirm = "Own Engineers"\n', encoding="utf-8")
+    assert run("measure", stair_file, "-o", tmp_path, "--report", "--fields", fields)[0] == 0
+    text = pdf_text(tmp_path / f"{stair_file.stem}_report.pdf")
+    assert "#set page() <b>&amp;" in text
+    assert "Own Engineers" in text
+    # Nothing was held against a rule set, and nothing is said of one.
+    assert "R318" not in text
+
+
+def test_a_project_brings_its_rules_its_fields_and_its_title(run, tmp_path, project_file):  # noqa: F811
+    out = tmp_path / "out"
+    assert run("measure", "--project", project_file, "-o", out, "--report")[0] == 0
+    (path,) = out.glob("*_report.pdf")
+    text = pdf_text(path)
+    for words in ("Client Ltd", "R-17", "North stair", "6 in (152.4 mm)", "an older text", "steel tape"):
+        assert words in text
+    (record,) = out.glob("*.json")
+    found = json.loads(record.read_text(encoding="utf-8"))["check"]
+    assert found["decision"]["rule"] == "simple"
+    # What is said on the command line counts before what the project holds.
+    assert run("check", "--project", project_file, "--rules", "us-osha-1910-25", "-o", out, "--report")[0] in (0, 1)
+    text = pdf_text(path)
+    assert "1910.25" in text
+    assert "an older text" not in text
+
+
+def test_a_projects_rules_are_checked_without_naming_them(run, project_file):  # noqa: F811
+    code, out, _ = run("check", "--project", project_file)
+    assert code == 1
+    assert "6 in (152.4 mm)" in out
+    assert "an older text" in out
+
+
+@pytest.mark.slow
+def test_the_same_project_gives_the_same_workbook(run, tmp_path, project_file):  # noqa: F811
+    tables = []
+    for name in ("a", "b"):
+        assert run("measure", "--project", project_file, "-o", tmp_path / name, "--report")[0] == 0
+        (path,) = (tmp_path / name).glob("*_report.xlsx")
+        book = openpyxl.load_workbook(io.BytesIO(path.read_bytes()))
+        tables.append(
+            {sheet.title: list(sheet.iter_rows(values_only=True)) for sheet in book if sheet.title != "Report"}
+        )
+    assert tables[0] == tables[1]
+    assert "Steps" in tables[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("measure", "-o", ".", "--fields", "a.toml"), "got --fields without --report; give both"),
+        (("check", "--rules", "us-ada-2010", "--report"), "got --report without a folder; name one with -o"),
+        (("measure", "-o", ".", "--report", "--fields", "nowhere.toml"), "nowhere.toml"),
+        (("measure", "-o", ".", "--overlay", "us-nfpa-101-uniformity"), "got --overlay without a rule set"),
+    ],
+)
+def test_a_wrong_wish_is_one_sentence(run, stair_file, words, sentence):  # noqa: F811
+    command, *options = words
+    assert sentence in refusal(run, command, stair_file, *options)
