@@ -4,7 +4,7 @@ import pytest
 
 from tests.browser.inspector_page import click_at_once
 
-TABS = ("Scan", "Tune", "Steps", "Look", "Export")
+TABS = ("Scan", "Tune", "Steps", "Checks", "Look", "Export")
 _FAULTS = """() => {
     const panel = document.querySelector('[data-testid=scan]').getBoundingClientRect();
     const limit = document.documentElement.clientWidth;
@@ -29,6 +29,13 @@ _FAULTS = """() => {
             if (wide > 2 && tall > 2 && !a.closest('.mantine-NumberInput-wrapper')
                 && !a.parentElement.contains(b) && !b.parentElement.contains(a))
                 faults.push(['overlap', a.outerHTML.slice(0, 90), b.outerHTML.slice(0, 90)]);
+        }
+    }
+    for (const bar of document.querySelectorAll('.mantine-ScrollArea-scrollbar[data-orientation=vertical]')) {
+        const q = bar.getBoundingClientRect();
+        for (const [a, p] of controls) {
+            if (q.width > 0 && p.right > q.left && p.left < q.left && p.bottom > q.top && p.top < q.bottom)
+                faults.push(['under the scrollbar', a.outerHTML.slice(0, 90), p.right, q.left]);
         }
     }
     return faults;
@@ -76,13 +83,13 @@ def test_nothing_overlaps_in_a_large_window(open_page):
 @pytest.mark.slow
 def test_inches_fit_as_well(page):
     page.tab("Steps")
-    page.page.get_by_role("button", name="in", exact=True).click()
+    page.show("in")
     page.page.wait_for_function("() => document.querySelector('[data-testid=steps-table]').innerText.includes('/16')")
     try:
         wide, room = page.by_id("steps").evaluate("(element) => [element.scrollWidth, element.clientWidth]")
         assert wide <= room
     finally:
-        page.page.get_by_role("button", name="mm", exact=True).click()
+        page.show("mm")
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 import pytest
 
+from stair_inspector.viewer.remarks import on_page
 from tests.browser.inspector_page import rows_of, survey_rows_of
 
 
@@ -32,7 +33,7 @@ def test_a_page_opens_with_the_measurement(page, measured):
     legend = page.text("legend")
     assert [word for word in ("floor", "steps", "front edge", "back edge", "side edges") if word not in legend] == []
     assert page.by_id("histogram").locator("[data-level]").count() == len(inspection.levels)
-    assert page.by_id("notes").locator("li").all_inner_texts() == [note.message for note in inspection.notes]
+    assert page.by_id("notes").locator("li").all_inner_texts() == [on_page(note.message) for note in inspection.notes]
 
 
 @pytest.mark.parametrize(

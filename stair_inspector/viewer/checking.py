@@ -1,0 +1,334 @@
+"""The present result held against the chosen rules, again at every result: the Checks tab and the marks of steps."""
+
+import dataclasses
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from stair_inspector.codes import Check, Decision, check
+from stair_inspector.codes.rules import Rule, Side
+from stair_inspector.errors import ConfigError, StairError
+from stair_inspector.files.chosen_rules import (
+    ChosenRules,
+    RuleFile,
+    known_sets,
+    limit_of,
+    rule_set_of,
+    with_edit,
+    without_edits,
+)
+from stair_inspector.files.rule_sets import parse_limit, rule_set_path
+from stair_inspector.files.toml import read_toml_bytes
+from stair_inspector.model import Inspection
+from stair_inspector.report.rule_tables import limited_words
+from stair_inspector.viewer.checks_html import (
+    edits_html,
+    not_assessed_html,
+    rules_html,
+    steps_html,
+    summary_html,
+)
+from stair_inspector.viewer.desk import Desk, Editor
+from stair_inspector.viewer.panel import Panel
+from stair_inspector.viewer.results import Results
+from stair_inspector.viewer.step_marks import marks_of
+from stair_inspector.viewer.tabs.checks import DECISION_OPTIONS, NO_OVERLAY, NO_RULES, SIDES
+from stair_inspector.viewer.work import Changes, Work
+
+_GROUPS = {
+    "us": "US",
+    "uk": "UK",
+    "ca": "Canada",
+    "au": "Australia",
+    "kr": "Korea",
+    "jp": "Japan",
+    "fr": "France",
+    "iso": "ISO",
+}
+"""Where a set of the program holds, by the first part of its id, in the order of the menu."""
+_OTHER, _OWN = "Other", "Own"
+
+
+class Checking:
+    """The Checks tab. ``check`` is that of the result that is shown, None where no rules are chosen."""
+
+    def __init__(self, desk: Desk, panel: Panel, results: Results, editor: Editor) -> None:
+        self._desk = desk
+        self._panel = panel
+        self._results = results
+        self._editor = editor
+        self._opened: int | None = None
+        self._error = ""
+        self._judged: tuple[Inspection, ChosenRules] | None = None
+        self.check: Check | None = None
+        results.on_shown = self._show_results
+
+    # What a person does.
+
+    def choose(self, label: str) -> None:
+        """Choose the rule set of a label of the menu, or none; changes of limits belong to the set that is left."""
+
+        def changed(rules: ChosenRules) -> ChosenRules:
+            set_id = "" if label == NO_RULES else _id_of(rules, label, "rule set")
+            if set_id == rules.set_id:
+                return rules
+            # An overlay's rules may contradict those of another set: then it is left as well.
+            kept = rules.overlay_ids if set_id and _can_be_laid(rules, set_id) else ()
+            return dataclasses.replace(rules, set_id=set_id, overlay_ids=kept, edits=())
+
+        self._opened = None
+        self._change(f"rules {label[:60]}", changed)
+
+    def choose_overlay(self, label: str) -> None:
+        """Lay the overlay of a label over the set, or none; changes of its limits go with it."""
+
+        def changed(rules: ChosenRules) -> ChosenRules:
+            if label == _several(rules):
+                return rules
+            overlay_ids = () if label == NO_OVERLAY else (_id_of(rules, label, "overlay"),)
+            bare = dataclasses.replace(rules, overlay_ids=overlay_ids, edits=())
+            made = rule_set_of(bare)
+            if made is None and overlay_ids:
+                raise ConfigError("overlay: choose a rule set first")
+            own = {rule.rule_id for rule in made.rules} if made is not None else set()
+            return dataclasses.replace(bare, edits=tuple(edit for edit in rules.edits if edit.rule_id in own))
+
+        self._change(f"overlay {label[:60]}", changed)
+
+    def choose_decision(self, option: str) -> None:
+        """Choose whether verdicts heed the uncertainty."""
+        decision: Decision | None = next((known for words, known in _decisions() if words == option), None)
+        if decision is None:
+            raise ConfigError(f"decision rule: got {str(option)[:40]!r}; choose one of the menu")
+        self._change(f"decision {decision}", lambda rules: dataclasses.replace(rules, decision=decision))
+
+    def choose_rule(self, option: str) -> None:
+        """Write the present limit of a rule into the field, to be changed."""
+        with self._desk.lock:
+            rule, side = self._rule_named(option), self._side()
+            limit = limit_of(rule, side)
+            self._panel.checks.limit.value = "" if limit is None else limit.as_written
+
+    def edit(self) -> None:
+        """Change the limit that is chosen, with the reason that is written."""
+        tab = self._panel.checks
+        rule, side = self._rule_named(str(tab.rule.value)), self._side()
+        written = str(tab.limit.value).strip()
+        limit = parse_limit(written) if written else None
+        reason = " ".join(str(tab.reason.value).split())
+        if not reason:
+            raise ConfigError("change a limit: write why, in one line; it stands with the change in every report")
+        words = f"{side} of {rule.rule_id} {written or 'none'}"
+        self._change(words, lambda rules: with_edit(rules, rule.rule_id, side, limit, reason))
+        tab.reason.value = ""
+
+    def revert(self) -> None:
+        """Give the chosen rule the limits of its file again."""
+        rule = self._rule_named(str(self._panel.checks.rule.value))
+        self._change(f"limits of {rule.rule_id} as in the file", lambda rules: without_edits(rules, rule.rule_id))
+
+    def revert_all(self) -> None:
+        """Give every rule the limits of its file again."""
+        self._change("all limits as in the files", without_edits)
+
+    def take_file(self, upload: Any) -> None:
+        """Keep a user's own rule file and choose its set; a file of the same id takes the place of the old one."""
+        file = RuleFile.of(str(upload.name), upload.content)
+        new = file.rule_set
+
+        def changed(rules: ChosenRules) -> ChosenRules:
+            files = (*(each for each in rules.files if each.rule_set.set_id != new.set_id), file)
+            if not new.is_overlay:
+                return dataclasses.replace(rules, files=files, set_id=new.set_id, overlay_ids=(), edits=())
+            overlay_ids = (new.set_id,) if rules.set_id else ()
+            return dataclasses.replace(rules, files=files, overlay_ids=overlay_ids, edits=())
+
+        self._opened = None
+        self._change(f"rule file {file.name[:40]}", changed)
+
+    def forget_file(self) -> None:
+        """Take the chosen own set, or else the chosen own overlay, out of the project."""
+
+        def changed(rules: ChosenRules) -> ChosenRules:
+            own = {file.rule_set.set_id for file in rules.files}
+            gone = next((set_id for set_id in (rules.set_id, *rules.overlay_ids) if set_id in own), None)
+            if gone is None:
+                raise ConfigError("forget: the chosen set comes with the program; choose an own one first")
+            files = tuple(file for file in rules.files if file.rule_set.set_id != gone)
+            if gone == rules.set_id:
+                return ChosenRules(decision=rules.decision, files=files)
+            overlay_ids = tuple(overlay_id for overlay_id in rules.overlay_ids if overlay_id != gone)
+            return dataclasses.replace(rules, overlay_ids=overlay_ids, edits=(), files=files)
+
+        self._opened = None
+        self._change("forgot an own rule file", changed)
+
+    def save_copy(self) -> None:
+        """Send the file of the chosen set, as it is without changes."""
+        rules = self._editor.work.rules
+        if not rules.set_id:
+            raise ConfigError("save the file: choose a rule set first")
+        own = next((file for file in rules.files if file.rule_set.set_id == rules.set_id), None)
+        data = own.text.encode("utf-8") if own is not None else read_toml_bytes(rule_set_path(rules.set_id))
+        name = own.name if own is not None else f"{rules.set_id}.toml"
+        self._desk.client.send_file_download(Path(name).name, data, save_immediately=True)
+
+    def next_outside(self) -> None:
+        """Choose the next step upwards that is outside a limit, after the last one the first."""
+        with self._desk.lock:
+            marked = sorted(self._results.marks)
+            if not marked:
+                raise ConfigError("next step outside a limit: there is none, or no rule set is chosen")
+            here = self._desk.selected or 0
+            self._results.select(next((step_id for step_id in marked if step_id > here), marked[0]))
+
+    def pick(self, number: str) -> None:
+        """Open the rule of a number, from 1, or close it; it becomes the one whose limit can be changed."""
+        rules = self.check.rule_set.rules if self.check is not None else ()
+        if not number.isdecimal() or len(number) > 6 or not 1 <= int(number) <= len(rules):
+            raise ConfigError(f"rule: got {number[:40]!r}; choose a row of the list")
+        with self._desk.lock, self._desk.client.atomic():
+            self._opened = None if self._opened == int(number) else int(number)
+            self._panel.checks.rule.value = _rule_label(rules[int(number) - 1])
+            self.choose_rule(self._panel.checks.rule.value)
+            self._show_results()
+
+    def checked(self) -> Check | None:
+        """Return the check of the result that is shown, for its files; the caller holds the desk's lock.
+
+        Raises
+        ------
+        ConfigError
+            Rules are chosen that cannot be used: a file without its check would say less than it seems to.
+        """
+        self.judge()
+        if self._error:
+            raise ConfigError(f"{self._error}; or choose no rule set")
+        return self.check
+
+    # What the page shows. Callers hold the desk's lock.
+
+    def judge(self) -> None:
+        """Hold the present result against the chosen rules; what cannot be used is said and not applied."""
+        inspection, rules = self._desk.inspection, self._editor.work.rules
+        if self._judged is not None and self._judged[0] is inspection and self._judged[1] == rules:
+            return
+        self.check, self._error = None, ""
+        try:
+            made = rule_set_of(rules)
+            if made is not None and inspection is not None:
+                self.check = check(inspection, made, rules.decision)
+        except StairError as error:
+            self._error = str(error)
+        self._judged = None if inspection is None else (inspection, rules)
+        self._results.marks = marks_of(inspection, self.check)
+
+    def show(self) -> None:
+        """Show which rules are chosen, and judge again."""
+        self.judge()
+        self._show_menus()
+        self._results.show_selection(with_pictures=False)
+        if self._desk.shown is None:
+            self._show_results()
+
+    def _show_results(self) -> None:
+        desk, tab = self._desk, self._panel.checks
+        made = self.check.rule_set if self.check is not None else None
+        uuid = self._panel.picked._impl.uuid
+        tab.summary.content = summary_html(self.check, self._error)
+        tab.by_rule.content = rules_html(self.check, self._opened, uuid, desk.unit)
+        tab.by_step.content = steps_html(desk.inspection, self.check, desk.selected, uuid, desk.unit)
+        tab.not_assessed.content = not_assessed_html(self.check)
+        tab.edits.content = edits_html(made)
+        if desk.shown is not None:
+            desk.stage.show_marks(self._results.marks)
+
+    def _show_menus(self) -> None:
+        tab, rules = self._panel.checks, self._editor.work.rules
+        sets, overlays = (_labels(rules, is_overlay=is_overlay) for is_overlay in (False, True))
+        several = _several(rules)
+        offered = (*overlays, several) if several and several not in overlays else tuple(overlays)
+        chosen = next((label for label, set_id in sets.items() if set_id == rules.set_id), NO_RULES)
+        tab.offer_rules(tuple(sets), chosen, offered, several or NO_OVERLAY)
+        tab.decision.value = next(words for words, decision in _decisions() if decision == rules.decision)
+        made = self.check.rule_set if self.check is not None else None
+        labels = tuple(_rule_label(rule) for rule in made.rules if rule.from_scan != "no") if made is not None else ()
+        before = str(tab.rule.value)
+        tab.offer_limits(labels, before)
+        if labels and (before != tab.rule.value or not tab.limit.value):
+            self.choose_rule(str(tab.rule.value))
+        tab.show_reverts(has_edits=bool(rules.edits))
+
+    def _change(self, words: str, change: Callable[[ChosenRules], ChosenRules]) -> None:
+        """Change the choice; what cannot be used is refused before it is kept."""
+
+        def changed(work: Work) -> Changes:
+            rules = change(work.rules)
+            rule_set_of(rules)
+            return {"rules": rules}
+
+        try:
+            self._editor.edit(words, changed)
+        except ConfigError:
+            # The menus have what was asked for, and not what is kept.
+            with self._desk.lock:
+                self._show_menus()
+            raise
+
+    def _rule_named(self, label: str) -> Rule:
+        made = rule_set_of(self._editor.work.rules)
+        rule = next((rule for rule in made.rules if _rule_label(rule) == label), None) if made is not None else None
+        if rule is None:
+            raise ConfigError("change a limit: choose a rule set and a rule first")
+        return rule
+
+    def _side(self) -> Side:
+        side: Side = "minimum" if self._panel.checks.side.value == SIDES[0] else "maximum"
+        return side
+
+
+def _id_of(rules: ChosenRules, label: str, what: str) -> str:
+    labels = _labels(rules, is_overlay=what == "overlay")
+    if label not in labels:
+        raise ConfigError(f"{what}: got {str(label)[:60]!r}; choose one of the menu")
+    return labels[label]
+
+
+def _labels(rules: ChosenRules, *, is_overlay: bool) -> dict[str, str]:
+    """Return the ids of the sets, or of the overlays, by what the menu says, country by country."""
+    own = {file.rule_set.set_id for file in rules.files}
+    order = [*_GROUPS.values(), _OTHER, _OWN]
+    found = [
+        (_OWN if set_id in own else _GROUPS.get(set_id.partition("-")[0], _OTHER), set_id, each)
+        for set_id, each in known_sets(rules).items()
+        if each.is_overlay == is_overlay
+    ]
+    found.sort(key=lambda entry: (order.index(entry[0]), entry[1]))
+    titles = Counter((group, each.title) for group, _, each in found)
+    return {
+        f"{group} · {each.title}" + (f" [{set_id}]" if titles[group, each.title] > 1 else ""): set_id
+        for group, set_id, each in found
+    }
+
+
+def _rule_label(rule: Rule) -> str:
+    return f"{rule.rule_id}: {limited_words(rule)}"
+
+
+def _several(rules: ChosenRules) -> str:
+    """Return what the menu says of the chosen overlays; a project may name more than one."""
+    labels = {overlay_id: label for label, overlay_id in _labels(rules, is_overlay=True).items()}
+    return " + ".join(labels.get(overlay_id, overlay_id) for overlay_id in rules.overlay_ids)
+
+
+def _can_be_laid(rules: ChosenRules, set_id: str) -> bool:
+    known = known_sets(rules)
+    laid = (known[overlay_id] for overlay_id in rules.overlay_ids if overlay_id in known)
+    return not {rule.rule_id for rule in known[set_id].rules} & {rule.rule_id for each in laid for rule in each.rules}
+
+
+def _decisions() -> tuple[tuple[str, Decision], ...]:
+    return tuple(
+        (words, "simple" if decision == "simple" else "guarded") for words, decision in DECISION_OPTIONS.items()
+    )

@@ -1,0 +1,225 @@
+"""The report from the page: what the inspector writes for it, and its files made from the result that is shown."""
+
+import dataclasses
+import datetime
+import io
+import zipfile
+from collections.abc import Callable
+from typing import Any
+
+from stair_inspector.codes import Check
+from stair_inspector.errors import ConfigError
+from stair_inspector.files.exports import csv_bytes, json_bytes
+from stair_inspector.report.fields import ReportBasis, TapeReading, parse_reading, read_logo
+from stair_inspector.report.html import html_bytes
+from stair_inspector.report.pdf import pdf_bytes
+from stair_inspector.report.project_basis import titled
+from stair_inspector.report.render import RenderedView
+from stair_inspector.report.write import DRAWING_SUFFIXES, SUFFIXES, drawing_bytes, make_report
+from stair_inspector.report.xlsx import xlsx_bytes
+from stair_inspector.viewer.checking import Checking
+from stair_inspector.viewer.desk import Desk, Editor, Shown
+from stair_inspector.viewer.making import Making, Tell
+from stair_inspector.viewer.panel import Panel
+from stair_inspector.viewer.readings_html import DELETE, logo_html, readings_html
+from stair_inspector.viewer.scene_views import SceneViews
+from stair_inspector.viewer.tabs.report import DOCUMENTS, DRAWINGS, EVERYTHING, PAPERS, READING_QUANTITIES, Part
+from stair_inspector.viewer.work import Keeper
+
+_VIEWS_PERCENT = 70.0
+"""Share of the time that the pictures of the scene take."""
+_MAKERS = dict(zip(DOCUMENTS, (pdf_bytes, html_bytes, xlsx_bytes), strict=True))
+_ENDINGS = {
+    EVERYTHING: "_report.zip",
+    **dict(zip((*DOCUMENTS, *DRAWINGS), (*SUFFIXES, *DRAWING_SUFFIXES.values()), strict=True)),
+}
+"""How the name of each file ends after that of the scan."""
+
+
+@dataclasses.dataclass(frozen=True, slots=True, eq=False)
+class _Order:
+    """What a report is made of, all of one moment."""
+
+    shown: Shown
+    check: Check | None
+    basis: ReportBasis
+    made_at: datetime.datetime
+
+
+class Reporting:
+    """The folder "Report and drawings" of the Export tab."""
+
+    def __init__(
+        self,
+        desk: Desk,
+        panel: Panel,
+        checking: Checking,
+        keeper: Keeper,
+        editor: Editor,
+        views: SceneViews,
+        making: Making,
+        show_changes: Callable[[], None],
+    ) -> None:
+        self._desk = desk
+        self._folder = panel.export.report
+        self._checking = checking
+        self._keeper = keeper
+        self._editor = editor
+        self._views = views
+        self._making = making
+        self._show_changes = show_changes
+
+    # What a person writes.
+
+    def set_text(self, part: Part, name: str, value: object) -> None:
+        """Keep a field of the report as it is typed; what is typed in one go is one change."""
+        # The fields are not written again meanwhile: more may have been typed by now.
+        with self._keeper.lock:
+            basis = self._editor.work.basis
+            texts = getattr(basis, part)
+            changed = dataclasses.replace(basis, **{part: dataclasses.replace(texts, **{name: str(value)})})
+            label = type(texts).label_of(name)
+            self._keeper.change(f"report: {label}", f"report {part} {name}", basis=changed)
+        self._show_changes()
+
+    def set_paper(self, option: str) -> None:
+        """Choose the size of the PDF's pages."""
+        if option not in PAPERS:
+            raise ConfigError(f"paper: got {str(option)[:40]!r}; give one of {', '.join(PAPERS)}")
+        self._change(f"paper {option}", lambda _: {"paper": PAPERS[option]})
+
+    def add_reading(self) -> None:
+        """Keep a reading by hand."""
+        folder = self._folder
+        quantity = READING_QUANTITIES.get(str(folder.quantity.value))
+        kind, _, number = str(folder.place.value).partition(" ")
+        if quantity is None or kind not in ("step", "flight") or not number.isdecimal() or len(number) > 6:
+            raise ConfigError("reading: choose the step or flight and the quantity from the menus")
+        unit, written_u = str(folder.unit.value), str(folder.u.value).strip()
+        if not str(folder.value.value).strip():
+            raise ConfigError("reading: write what was read, such as 170.5 or 6 11/16")
+        reading = TapeReading(
+            quantity,
+            parse_reading(str(folder.value.value), unit, quantity, "reading"),
+            step=int(number) if kind == "step" else None,
+            flight=int(number) if kind == "flight" else None,
+            line=folder.line.value,
+            u=parse_reading(written_u, unit, quantity, "reading: its U") if written_u else None,
+            instrument=str(folder.instrument.value),
+            note=str(folder.note.value),
+        )
+        self._change(f"reading of {folder.quantity.value}", lambda basis: {"readings": (*basis.readings, reading)})
+        folder.value.value = folder.note.value = ""
+
+    def obey(self, message: str) -> None:
+        """Delete the reading that a button of the list names."""
+        word, _, number = str(message).partition(":")[0].partition(" ")
+
+        def without(basis: ReportBasis) -> dict[str, Any]:
+            known = basis.readings
+            if word != DELETE or not number.isdecimal() or len(number) > 6 or not 1 <= int(number) <= len(known):
+                raise ConfigError(f"readings: got {str(message)[:40]!r}; choose a row of the list")
+            return {"readings": known[: int(number) - 1] + known[int(number) :]}
+
+        self._change(f"deleted reading {number}", without)
+
+    def take_logo(self, file: Any) -> None:
+        """Keep an uploaded picture as the logo."""
+        logo = read_logo(file.content, f"logo {str(file.name)[:60]!r}")
+        self._change("logo", lambda _: {"logo": logo})
+
+    def remove_logo(self) -> None:
+        """Take the logo away."""
+        if self._editor.work.basis.logo is None:
+            raise ConfigError("logo: there is none")
+        self._change("no logo", lambda _: {"logo": None})
+
+    def show(self) -> None:
+        """Show what is kept; the caller holds the desk's lock."""
+        basis, folder = self._editor.work.basis, self._folder
+        folder.show_basis(basis)
+        folder.logo.content = logo_html(basis.logo)
+        self.show_readings()
+
+    def show_readings(self) -> None:
+        """Show the readings beside the present result; the caller holds the desk's lock."""
+        inspection = self._desk.inspection
+        self._folder.readings.content = readings_html(
+            inspection, self._editor.work.basis, self._folder.order._impl.uuid
+        )
+        if inspection is not None:
+            self._folder.offer_places(
+                (step.step_id for step in inspection.steps), (flight.flight_id for flight in inspection.flights)
+            )
+
+    def _change(self, words: str, change: Callable[[ReportBasis], dict[str, Any]]) -> None:
+        self._editor.edit(words, lambda work: {"basis": dataclasses.replace(work.basis, **change(work.basis))})
+
+    # What is made of it.
+
+    def make(self, kind: str) -> None:
+        """Make a file of the result that is shown, with the check and the fields of this moment, and send it."""
+        if kind not in _ENDINGS:
+            raise ConfigError(f"report: got {str(kind)[:40]!r}; choose one of the buttons")
+        order = self._order()
+        ending = _ENDINGS[kind]
+        name = f"{order.shown.stem}{ending}"
+        data = self._making.make(name, lambda tell: self._made(kind, order, tell))
+        self._desk.client.send_file_download(name, data, save_immediately=True)
+
+    def _order(self) -> _Order:
+        with self._desk.lock:
+            shown = self._desk.result("report")
+            work = self._editor.work
+            check = self._checking.checked()
+            return _Order(shown, check, titled(work.basis, work.title), datetime.datetime.now())
+
+    def _made(self, kind: str, order: _Order, tell: Tell) -> bytes:
+        if kind in DRAWINGS:
+            return self._drawn(kind, order)
+        shown, stem = order.shown, order.shown.stem
+        # A workbook has no pictures.
+        views = () if kind == "XLSX" else self._views_of(order, tell)
+        tell("report: charts and drawings …", _VIEWS_PERCENT)
+        document = make_report(shown.scan, shown.inspection, order.basis, order.made_at, order.check, views)
+        if kind in DOCUMENTS:
+            tell(f"report: {kind} …", 85.0)
+            return _MAKERS[kind](document)
+        files: dict[str, bytes] = {}
+        for number, name in enumerate(DOCUMENTS):
+            tell(f"report: {name} …", 80.0 + 4.0 * number)
+            files[f"{stem}{_ENDINGS[name]}"] = _MAKERS[name](document)
+        tell("report: drawings …", 94.0)
+        for suffix, data in drawing_bytes(shown.inspection, order.made_at).items():
+            files[f"{stem}{suffix}"] = data
+        files[f"{stem}.csv"] = csv_bytes(shown.inspection)
+        files[f"{stem}.json"] = json_bytes(shown.inspection, order.check)
+        return _zipped(files, order.made_at)
+
+    def _drawn(self, kind: str, order: _Order) -> bytes:
+        made = drawing_bytes(order.shown.inspection, order.made_at)
+        if _ENDINGS[kind] not in made:
+            raise ConfigError(
+                f"{kind}: no nosing was measured, so there is nothing to draw; measure with the method survey"
+            )
+        return made[_ENDINGS[kind]]
+
+    def _views_of(self, order: _Order, tell: Tell) -> tuple[RenderedView, ...]:
+        def tell_view(number: int, n_views: int) -> None:
+            tell(f"report: view {number + 1} of {n_views} …", _VIEWS_PERCENT * number / n_views)
+
+        return self._views.take(
+            order.shown,
+            f"{order.made_at:%Y-%m-%d}",
+            order.basis.fields.stair or order.basis.fields.title,
+            tell_view,
+            from_scene=bool(self._folder.from_scene.value),
+        )
+
+
+def _zipped(files: dict[str, bytes], made_at: datetime.datetime) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            archive.writestr(zipfile.ZipInfo(name, made_at.timetuple()[:6]), data, zipfile.ZIP_DEFLATED)
+    return stream.getvalue()

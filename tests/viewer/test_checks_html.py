@@ -1,0 +1,224 @@
+"""What the Checks tab says: every verdict in words with a sign, every place to click, and no markup from outside."""
+
+import dataclasses
+
+import pytest
+
+from stair_inspector.codes import DECISIONS, Limit, check, edited, gravest
+from stair_inspector.codes.text import value_text
+from stair_inspector.files.palettes import read_palette
+from stair_inspector.files.rule_sets import find_rule_set
+from stair_inspector.model import Measured
+from stair_inspector.report.document import SIGNS
+from stair_inspector.viewer.checks_html import edits_html, not_assessed_html, rules_html, steps_html, summary_html
+from stair_inspector.viewer.html import legend_html
+from stair_inspector.viewer.markup import pick_script
+from stair_inspector.viewer.step_marks import mark_html, marks_of, tone_of
+from tests.codes.flights import changed, even, inspection_of, measured, step
+from tests.viewer.test_html import Page
+
+IBC = find_rule_set("us-ibc-2021")
+HOSTILE = "<img src=x onerror=1>"
+LIMIT_M = 7 * 0.0254
+
+
+def rises(*values_m, u=0.0002):
+    """A flight with these rises, its last step a landing."""
+    steps = even(len(values_m), u)
+    for number, value in enumerate(values_m, 1):
+        steps = changed(steps, number, rise_m=None if value is None else measured(value, u))
+    return inspection_of(steps)
+
+
+DEFECTIVE = rises(0.170, 0.170, 0.190, 0.170, 0.170)
+CLOSE = rises(0.170, LIMIT_M + 0.0001, 0.170, LIMIT_M - 0.0001, 0.170)
+
+
+def of(page, name):
+    return [attributes for _, attributes in page.tags if attributes.get("data-testid") == name]
+
+
+def row_of(html, rule_id):
+    """The text of the row of one rule."""
+    page = Page(html)
+    at = [row["data-rule"] for row in of(page, "rule-row")].index(rule_id)
+    return " ".join(page.rows[at]), of(page, "rule-row")[at]
+
+
+def test_without_rules_it_says_so_and_without_a_result_there_is_an_error_or_nothing():
+    assert "No rule set is chosen" in Page(summary_html(None, "")).words
+    assert Page(summary_html(None, f"rules: {HOSTILE}")).words == f"rules: {HOSTILE}"
+    assert rules_html(None, None, None) == '<div data-testid="check-rules"></div>'
+    assert steps_html(DEFECTIVE, None, None, None) == '<div data-testid="check-steps"></div>'
+    assert not_assessed_html(None) == '<div data-testid="not-assessed"></div>'
+
+
+def test_the_summary_names_the_rules_their_file_and_the_decision_rule():
+    words = Page(summary_html(check(DEFECTIVE, IBC), "")).words
+    for part in (
+        f"{SIGNS['bad']}values outside limits",
+        "1011.5.2",
+        IBC.title,
+        "us-ibc-2021.toml",
+        IBC.sha256[:12],
+        "edited by the user: no",
+        "source graded S",
+        DECISIONS["guarded"],
+    ):
+        assert part in words
+
+
+@pytest.mark.parametrize("word", ["compliant", "legal", "compliance"])
+@pytest.mark.parametrize("inspection", [DEFECTIVE, CLOSE, rises(0.17, 0.17, 0.17)])
+def test_nothing_is_called_legal(inspection, word):
+    found = check(inspection, IBC)
+    said = summary_html(found, "") + rules_html(found, 1, None) + steps_html(inspection, found, None, None)
+    assert word not in Page(said).words.lower()
+
+
+def test_every_rule_has_a_row_with_verdict_limit_value_margin_and_fitness():
+    found = check(DEFECTIVE, IBC)
+    page = Page(rules_html(found, None, "abc"))
+    rows = of(page, "rule-row")
+    assert [row["data-rule"] for row in rows] == [rule.rule_id for rule in IBC.rules]
+    for row, cells, rule, fit in zip(rows, page.rows, IBC.rules, found.fits, strict=True):
+        worst = gravest(found.of_rule(rule.rule_id))
+        assert row["data-verdict"] == worst.verdict.value
+        assert cells[0].startswith(SIGNS[tone_of(worst.verdict)] + worst.verdict.words)
+        assert rule.limit_text in cells[1]
+        assert rule.clause in cells[1]
+        assert fit.words[1:] in cells[1]
+        if worst.value is not None:
+            assert value_text(worst) in cells[1]
+    words, _ = row_of(rules_html(found, None, None), "riser")
+    assert "190.00 ± 0.20 mm at step 3, outside by 12.20 mm" in words
+    assert "1 of 5" in words
+
+
+def test_values_nearer_to_a_limit_than_u_are_close_in_words():
+    found = check(CLOSE, IBC)
+    words, row = row_of(rules_html(found, 1, None), "riser")
+    assert row["data-verdict"] == "outside_close"
+    assert row["aria-expanded"] == "true"
+    assert f"{SIGNS['close']}outside, close: 177.90 ± 0.20 mm at step 2, outside by 0.10 mm" in words
+    assert f"{SIGNS['close']}within, close: 177.70 ± 0.20 mm at step 4, inside by 0.10 mm" in words
+    simple, row = row_of(rules_html(check(CLOSE, IBC, "simple"), 1, None), "riser")
+    assert row["data-verdict"] == "outside"
+    assert "close" not in simple.split("Fit")[0]
+
+
+def test_a_hairs_breadth_beyond_a_limit_is_not_shown_as_nothing():
+    words, _ = row_of(rules_html(check(rises(0.17, LIMIT_M + 1e-6, 0.17), IBC), None, None), "riser")
+    assert "outside by less than 0.01 mm" in words
+
+
+def test_what_was_not_measured_says_why_and_is_no_pass():
+    found = check(rises(0.17, None, 0.17), IBC)
+    words, row = row_of(rules_html(found, None, None), "riser")
+    assert row["data-verdict"] == "not_measured"
+    assert "step 2" in words
+    assert "not measured at step 2" in words
+
+
+def test_lengths_in_inches_are_those_of_a_tape_and_limits_stay_as_written():
+    words, _ = row_of(rules_html(check(DEFECTIVE, IBC), None, None, "in"), "riser")
+    assert "7 1/2 in (7.480 ± 0.008) at step 3, outside by 0.48 in" in words
+    assert "4 in (101.6 mm) to 7 in (177.8 mm)" in words
+
+
+def test_a_click_on_a_rule_opens_it_and_one_on_a_step_chooses_the_step():
+    page = Page(rules_html(check(DEFECTIVE, IBC), 1, "the-control"))
+    assert of(page, "rule-row")[0]["onclick"] == pick_script("the-control", 1, "rule")
+    assert len(of(page, "finding")) == 5
+    buttons = of(page, "finding-step")
+    assert {button["data-of"] for button in buttons} >= {"1", "2", "3", "4", "5"}
+    third = next(button for button in buttons if button["data-of"] == "3")
+    assert third["onclick"] == "event.stopPropagation();" + pick_script("the-control", 3)
+    still = Page(rules_html(check(DEFECTIVE, IBC), 1, None))
+    assert not of(still, "finding-step")
+    assert "onclick" not in of(still, "rule-row")[0]
+
+
+def test_by_step_what_there_is_to_tell_is_listed_and_the_rest_is_counted():
+    found = check(DEFECTIVE, IBC)
+    page = Page(steps_html(DEFECTIVE, found, 3, "the-control"))
+    rows = {row["data-of"]: row for row in of(page, "check-step-row")}
+    assert rows["3"]["data-verdict"] == "outside"
+    assert rows["3"]["aria-selected"] == "true"
+    assert rows["3"]["onclick"] == pick_script("the-control", 3)
+    text = next(cells[1] for cells in page.rows if cells[0] == "step 3")
+    assert f"{SIGNS['bad']}outside: riser height 190.00 ± 0.20 mm" in text
+    assert set(rows) | {"2", "4", "5"} == {"1", "2", "3", "4", "5"}
+    assert "within" in page.words
+
+
+def test_what_no_scan_shows_is_listed():
+    words = Page(not_assessed_html(check(DEFECTIVE, IBC))).words
+    for sentence in IBC.not_assessed:
+        assert sentence in words
+
+
+def test_a_changed_limit_is_marked_with_before_after_and_reason():
+    changed_set = edited(IBC, "riser", "maximum", Limit.of("180", "mm"), f"because {HOSTILE}")
+    page = Page(edits_html(changed_set))
+    assert page.words == f"riser, maximum: 7 in (177.8 mm) → 180 mm – because {HOSTILE}"
+    words, _ = row_of(rules_html(check(DEFECTIVE, changed_set), None, None), "riser")
+    assert "✎ edited" in words
+    assert "to 180 mm" in words
+    assert "edited by the user: yes, 1" in Page(summary_html(check(DEFECTIVE, changed_set), "")).words
+    assert "as in the rule file" in Page(edits_html(IBC)).words
+
+
+def test_texts_of_a_rule_file_are_never_markup():
+    rule = dataclasses.replace(IBC.rule("riser"), clause=HOSTILE, term=HOSTILE, note=HOSTILE, applies=HOSTILE)
+    hostile = dataclasses.replace(
+        IBC, name=HOSTILE, edition=HOSTILE, file=HOSTILE, rules=(rule,), not_assessed=(HOSTILE,), overlays=(HOSTILE,)
+    )
+    found = check(DEFECTIVE, hostile)
+    for html in (
+        summary_html(found, ""),
+        rules_html(found, 1, "abc"),
+        steps_html(DEFECTIVE, found, None, "abc"),
+        not_assessed_html(found),
+        mark_html(marks_of(DEFECTIVE, found)[3]),
+    ):
+        assert Page(html).of("img") == []
+
+
+def test_steps_that_are_outside_a_limit_are_marked_and_their_innocent_neighbours_are_not():
+    marks = marks_of(DEFECTIVE, check(DEFECTIVE, IBC))
+    # The range of the flight is too large as well: of its two ends the third step is the odd one.
+    assert {number: mark.sign for number, mark in marks.items()} == {3: SIGNS["bad"]}
+    assert "riser height 190.00 ± 0.20 mm, outside (limit 7 in (177.8 mm), 1011.5.2)" in marks[3].words
+    assert marks_of(CLOSE, check(CLOSE, IBC))[2].sign == SIGNS["close"]
+    assert marks_of(None, None) == {}
+    assert marks_of(DEFECTIVE, check(DEFECTIVE, IBC))[3].words in mark_html(marks[3])
+
+
+def test_of_two_neighbours_the_odd_one_is_marked():
+    nfpa = find_rule_set("us-nfpa-101-uniformity")
+    inspection = rises(0.170, 0.170, 0.177, 0.170, 0.170, 0.170)
+    assert set(marks_of(inspection, check(inspection, nfpa))) == {3}
+
+
+def test_the_legend_says_what_the_marks_mean_where_there_are_some():
+    palette = read_palette("page")
+    assert "outside" not in Page(legend_html(palette)).words
+    assert f"{SIGNS['bad']} outside a limit" in Page(legend_html(palette, tones={"bad"})).words
+    assert f"{SIGNS['close']} outside by less than U" in Page(legend_html(palette, tones={"close"})).words
+
+
+def test_advice_marks_no_step():
+    advice = dataclasses.replace(IBC, rules=(dataclasses.replace(IBC.rule("riser"), severity="advisory"),))
+    found = check(DEFECTIVE, advice)
+    assert any(each.verdict.is_outside for each in found.findings)
+    assert marks_of(DEFECTIVE, found) == {}
+
+
+def test_a_stair_without_steps_and_one_with_a_single_step_are_told():
+    nothing = inspection_of((), ())
+    found = check(nothing, IBC)
+    assert "no staircase was found" in Page(rules_html(found, None, None)).words
+    assert steps_html(nothing, found, None, None) == '<div data-testid="check-steps"></div>'
+    single = inspection_of([step(1, rise=Measured(0.2, 0.0002))])
+    assert marks_of(single, check(single, IBC))[1].sign == SIGNS["bad"]

@@ -1,0 +1,103 @@
+"""A page without a browser: it speaks the server's protocol, draws nothing, and keeps what it is told to keep."""
+
+import threading
+import time
+
+import msgspec
+import viser
+import zstandard
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+SETTLE_S = 20.0
+_CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (0.0, -6.0, 1.0),
+    "fov": 0.8,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 600,
+    "image_width": 800,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
+
+
+class WirePage:
+    """One page of a browser; ``storage`` is what the tabs of that browser share.
+
+    ``session`` is what the server made for it. A page that is not ``is_answering`` is a connection whose far end is
+    gone without the server knowing.
+    """
+
+    def __init__(self, app, storage=None):
+        self.storage = {} if storage is None else storage
+        self.is_answering = True
+        self._told = []
+        known = set(app._sessions)
+        self._socket = connect(
+            f"ws://127.0.0.1:{app.port}", subprotocols=[f"viser-v{viser.__version__}"], max_size=None
+        )
+        self._send(_CAMERA)
+        threading.Thread(target=self._listen, daemon=True).start()
+        await_that(lambda: set(app._sessions) - known, "there is no session")
+        (client_id,) = set(app._sessions) - known
+        self.session = app._sessions[client_id]
+
+    def close(self):
+        self._socket.close()
+
+    def await_result(self, label=None):
+        """Wait until the result of the present work is shown; return it."""
+        session = self.session
+
+        def is_there():
+            # All of a result is shown while the desk is held.
+            with session.desk.lock:
+                shown, wanted = session.desk.shown, session.work.params
+                return shown is not None and shown.label == (label or shown.label) and shown.inspection.params == wanted
+
+        await_that(is_there, "there is no result of the present settings")
+        return session.desk.shown
+
+    def told(self):
+        """Titles and words of the notifications that came."""
+        return list(self._told)
+
+    def _listen(self):
+        try:
+            for frame in self._socket:
+                size = int.from_bytes(frame[8:16], "little")
+                for message in msgspec.msgpack.decode(zstandard.decompress(frame[16 : 16 + size]))["messages"]:
+                    self._take(message)
+        except ConnectionClosed:
+            return
+
+    def _take(self, message):
+        kind = message["type"]
+        if kind == "LocalStorageSetItemMessage":
+            self.storage[message["key"]] = message["value"]
+        elif kind == "LocalStorageGetItemRequestMessage" and self.is_answering:
+            self._send(
+                {
+                    "type": "LocalStorageGetItemResponseMessage",
+                    "value": self.storage.get(message["key"]),
+                    "error": None,
+                    "request_uuid": message["request_uuid"],
+                }
+            )
+        elif kind == "NotificationShowMessage":
+            props = message["props"]
+            self._told.append(": ".join((props["title"], props["body"])))
+
+    def _send(self, message):
+        self._socket.send(msgspec.msgpack.encode(message))
+
+
+def await_that(is_so, otherwise):
+    """Wait until a condition holds."""
+    ends = time.monotonic() + SETTLE_S
+    while not is_so():
+        assert time.monotonic() < ends, otherwise
+        time.sleep(0.02)
