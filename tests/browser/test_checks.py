@@ -87,6 +87,7 @@ def test_results_by_rule_and_by_step_are_those_of_the_check_and_failing_steps_ar
     assert marks(page, "Steps") == {}
 
 
+@pytest.mark.slow
 def test_a_click_on_a_finding_chooses_its_step_and_the_check_follows_the_settings(page, measured):
     choose_rules(page, label_of(SHARED), SHARED)
     failing = marks_of(measured(), check(measured(), find_rule_set(SHARED)))
@@ -108,6 +109,7 @@ def test_a_click_on_a_finding_chooses_its_step_and_the_check_follows_the_setting
     assert value_text(gravest(found.of_rule("width"))) in page.text("check-rules")
 
 
+@pytest.mark.slow
 def test_a_limit_is_changed_with_a_reason_marked_kept_in_the_project_and_taken_back(page, measured):
     choose_rules(page, label_of(UK), UK)
     base = find_rule_set(UK)

@@ -66,6 +66,7 @@ def test_the_debug_ply_opens_and_has_all_points(page, measured):
         assert in_color.sum() == step.plane.n_points - len(step.nearest_ids)
 
 
+@pytest.mark.slow
 def test_the_screenshot_opens_and_shows_the_steps(page):
     page.show("Home")
     name, content = page.download("Screenshot PNG")

@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pytest
 
 from tests.browser.inspector_page import THROTTLE_MS, click_at_once
 
@@ -26,6 +27,7 @@ def look(page):
     )
 
 
+@pytest.mark.slow
 def test_the_keys_of_commands_do_not_move_the_camera(page):
     before = look(page)
     page.page.evaluate("() => document.activeElement && document.activeElement.blur()")
@@ -39,6 +41,7 @@ def test_the_keys_of_commands_do_not_move_the_camera(page):
     np.testing.assert_allclose(look(page), before, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_arrows_on_a_slider_are_the_sliders_alone(page):
     before = look(page)
     slider = page.control("ε_z [mm]").get_by_role("slider")
@@ -82,6 +85,7 @@ def test_a_number_out_of_range_stays_as_it_was_written_until_it_is_mended(page):
     page.await_result("ε_z 25 mm")
 
 
+@pytest.mark.slow
 def test_a_group_of_buttons_shows_which_is_on(page):
     def color(name):
         # Not that of the toolbar.

@@ -77,6 +77,7 @@ def test_a_menu_changes_the_table(page, measured, tab, label, option, setting, u
     assert page.table() != before
 
 
+@pytest.mark.slow
 def test_an_up_vector_of_ones_own(page, measured):
     page.choose_columns("paper")
     page.tab("Scan")
@@ -121,6 +122,7 @@ def test_a_hostile_value_of_a_slider_is_a_sentence(page):
         page.await_result(f"θ_th {theta}°")
 
 
+@pytest.mark.slow
 def test_a_value_of_the_wrong_kind_is_survived(page):
     slider = page.uuid("θ_th [°]")
     for theta, value in enumerate(["abc", None, [1, 2], {"a": 1}], start=20):
@@ -145,6 +147,7 @@ def test_a_hostile_step_and_view_are_sentences(page):
     assert "give one of Home, Front, Side, Top" in page.await_notification("Not done")
 
 
+@pytest.mark.slow
 def test_reset_brings_back_the_preset(page, measured):
     page.choose_columns("paper")
     good = page.table()

@@ -57,6 +57,7 @@ def test_two_tabs_of_one_browser_keep_their_own_settings(open_page):
     second.await_result("θ_th 15.5°", "α 95/5 %")
 
 
+@pytest.mark.slow
 def test_a_result_that_comes_late_does_not_hide_that_a_control_is_out_of_range(page):
     # The normals take a while; meanwhile the box is given what cannot be asked for.
     page.press("k", "ArrowRight", times=3)
@@ -67,6 +68,7 @@ def test_a_result_that_comes_late_does_not_hide_that_a_control_is_out_of_range(p
     page.await_result("k 33", "α 95/5 %")
 
 
+@pytest.mark.slow
 def test_a_dropped_connection_comes_back_with_its_settings(page, app):
     page.press("α_f [%]", "ArrowLeft", times=2)
     page.await_result("α 94/5 %")

@@ -70,6 +70,7 @@ def add_reading(page, place, quantity, value):
     button(page, "Add the reading").click()
 
 
+@pytest.mark.slow
 def test_one_click_gives_every_file_with_what_was_measured_judged_and_written(page, measured):
     choose_rules(page, label_of(SHARED), SHARED)
     open_fields(page, "Object")

@@ -24,6 +24,7 @@ def test_the_steps_are_drawn_in_the_palettes_colours(page):
     assert share_of(PALETTE.front_edge, picture, within=30) > 0.0005
 
 
+@pytest.mark.slow
 def test_raw_segmented_and_side_by_side_are_three_pictures(page):
     segmented = page.still_picture()
     page.show("Raw")
@@ -62,6 +63,7 @@ def test_the_camera_buttons_are_four_views_with_the_whole_staircase_inside(page)
     assert any(share_changed(pictures["Home"], page.still_picture()) < 0.002 for _ in range(5))
 
 
+@pytest.mark.slow
 def test_a_window_of_another_shape_shows_the_whole_staircase_all_the_same(page):
     try:
         page.page.set_viewport_size({"width": 800, "height": 720})
@@ -94,6 +96,7 @@ def test_a_click_on_a_row_selects_the_step_and_a_second_click_puts_it_away(page)
     assert page.page.get_by_label("Selected step").first.input_value() == "none"
 
 
+@pytest.mark.slow
 def test_the_menu_selects_a_row(page):
     page.tab("Steps")
     page.choose("Selected step", "3")
@@ -114,6 +117,7 @@ def test_a_click_on_a_tread_selects_its_row(page):
     page.await_selection(2)
 
 
+@pytest.mark.slow
 def test_the_selection_survives_a_slider_and_goes_when_its_step_goes(page):
     page.click_row(5)
     page.await_selection(5)

@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from tests.browser.inspector_page import click_at_once, rows_of
 
 LABELS = "/stair/segments/dimension_labels/"
@@ -52,6 +54,7 @@ def test_the_survey_tells_value_uncertainty_and_coverage_flight_by_flight(page, 
     assert page.by_id("flight-row").count() == 0
 
 
+@pytest.mark.slow
 def test_the_papers_method_has_the_papers_columns_only(page):
     page.tab("Scan")
     page.choose("Method", "paper")
@@ -120,6 +123,7 @@ def test_marking_a_step_rejected_changes_the_table_and_marking_its_surface_a_tre
     assert overrules_text(page).input_value() == ""
 
 
+@pytest.mark.slow
 def test_an_overrule_that_is_written_counts_from_enter_and_a_wrong_one_is_a_sentence(page):
     open_overrules(page)
     field = overrules_text(page)

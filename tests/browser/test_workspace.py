@@ -221,6 +221,7 @@ def test_flights_fold_and_the_worst_neighbours_are_marked(page, measured):
     page.page.wait_for_function("() => document.querySelectorAll('[data-testid=step-row]').length === 5")
 
 
+@pytest.mark.slow
 def test_a_verdict_has_a_reason_and_can_be_undone(page):
     page.click_row(5)
     page.await_selection(5)
@@ -260,6 +261,7 @@ def test_standard_views_the_chosen_step_and_the_orthographic_look(page):
     page.await_camera(page.home)
 
 
+@pytest.mark.slow
 def test_a_section_shows_a_slab_and_its_profile(page):
     whole = page.still_picture()
     page.is_scene_touched = True
@@ -294,6 +296,7 @@ def test_a_section_shows_a_slab_and_its_profile(page):
     page.await_node("/stair/section/cloud", there=False)
 
 
+@pytest.mark.slow
 def test_points_and_distances_are_measured_listed_named_and_deleted(page, measured):
     inspection = measured()
     page.show("Top")
@@ -395,6 +398,7 @@ def test_keys_are_listed_and_commands_are_found(page):
 # The scan.
 
 
+@pytest.mark.slow
 def test_up_is_taken_from_the_treads_and_the_region_is_a_box_that_can_be_undone(page):
     page.tab("Scan")
     button(page, "Take the treads").click()
@@ -499,6 +503,7 @@ def test_all_standard_views_are_one_zip(page):
     page.choose("Size", "2 ×")
 
 
+@pytest.mark.slow
 def test_the_project_reproduces_its_numbers_on_the_command_line(page, scans, tmp_path):
     page.press("α_f [%]", "ArrowLeft")
     page.await_result("α 94.5/5 %")
