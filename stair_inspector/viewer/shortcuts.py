@@ -1,12 +1,12 @@
 """Keys and commands: one list makes the hotkeys, the palette (Ctrl+K) and the help card."""
 
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import viser
 
+from stair_inspector.viewer.cards import Card
 from stair_inspector.viewer.markup import DIM, LINE, script_html, text
 
 
@@ -100,33 +100,20 @@ def help_html(commands: tuple[Command, ...]) -> str:
     )
 
 
-class HelpCard:
+class HelpCard(Card):
     """The help card of one page; there is at most one."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        self._gui = gui
-        self._modal: Any = None
-        self._lock = threading.Lock()
+        super().__init__(gui, "Keys and mouse")
 
     def switch(self, commands: tuple[Command, ...]) -> None:
         """Open the card, or close it where it is open."""
-        if self.close():
-            return
-        with self._lock, self._gui.add_modal("Keys and mouse") as self._modal:
-            self._gui.add_html(help_html(commands))
-            close = self._gui.add_button("Close", color="gray", hint="Escape")
-        close.on_click(self._on_close)
+        if not self.close():
+            self.fill(lambda: _add_help(self._gui, commands))
 
-    def _on_close(self, _: Any) -> None:
-        self.close()
 
-    def close(self) -> bool:
-        """Close the card; return whether it was open."""
-        with self._lock:
-            modal, self._modal = self._modal, None
-            if modal is not None:
-                modal.close()
-            return modal is not None
+def _add_help(gui: viser.GuiApi, commands: tuple[Command, ...]) -> None:
+    gui.add_html(help_html(commands))
 
 
 def _calling(action: Callable[[], None]) -> Callable[[Any], None]:

@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from stair_inspector.codes import DECISIONS, Limit, check, edited, gravest
+from stair_inspector.codes import DECISIONS, Limit, check, edited, gravest, overlaid
 from stair_inspector.codes.text import value_text
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.files.rule_sets import find_rule_set
@@ -156,6 +156,26 @@ def test_what_no_scan_shows_is_listed():
     words = Page(not_assessed_html(check(DEFECTIVE, IBC))).words
     for sentence in IBC.not_assessed:
         assert sentence in words
+
+
+def test_a_users_own_file_and_an_overlay_of_another_country_are_told():
+    own = dataclasses.replace(IBC, is_shipped=False)
+    words = Page(summary_html(check(DEFECTIVE, own), "")).words
+    assert "edited by the user: user's own file, not a set that comes with the program" in words
+    korea = overlaid(find_rule_set("kr-15-other"), find_rule_set("us-nfpa-101-uniformity"))
+    assert (
+        "not for kr-15-other; take it as advice of another country"
+        in Page(summary_html(check(DEFECTIVE, korea), "")).words
+    )
+
+
+def test_a_step_at_which_a_clause_may_or_may_not_apply_is_told():
+    steps = changed(even(nosing_overhang=0.005), 2, going_m=measured(0.279, 0.001))
+    inspection = inspection_of(steps)
+    nosing = dataclasses.replace(find_rule_set("us-irc-2024").rule("nosing"), severity="limit", from_scan="yes")
+    page = Page(steps_html(inspection, check(inspection, dataclasses.replace(IBC, rules=(nosing,))), None, None))
+    assert [row["data-of"] for row in of(page, "check-step-row")] == ["2"]
+    assert "not judged" in page.words
 
 
 def test_a_changed_limit_is_marked_with_before_after_and_reason():

@@ -6,24 +6,16 @@ import numpy as np
 import pytest
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.simulations import simulate_to_file
-from stair_inspector.params import Params, parse_region
-from stair_inspector.simulate.specs import Scanner, Stair
-from stair_inspector.viewer.app import App
-from tests.viewer.wire_page import _CAMERA, WirePage, await_that
+from stair_inspector.params import parse_region
+from tests.viewer.wire_page import _CAMERA, OTHER, STAIR, WirePage, await_that, serve_two_stairs
 
-SCANNER = Scanner(max_points=6_000, azimuth_step_deg=0.3, elevation_step_deg=0.3, spacing_m=0.01, noise_m=0.002)
-STAIR, OTHER = "stair.ply", "other.ply"
 AROUND = np.array([[-0.01], [0.01]])
 """The box of the whole scan is so much larger, metres."""
 
 
 @pytest.fixture(scope="module")
 def app(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("scans")
-    simulate_to_file(folder / STAIR, Stair(n_risers=4, floor_front_m=0.8, upper_landing_m=0.6), SCANNER)
-    simulate_to_file(folder / OTHER, Stair(n_risers=3, floor_front_m=0.8, upper_landing_m=0.6), SCANNER)
-    app = App([folder / STAIR, folder / OTHER], Params(), port=0, saves_projects=False)
+    app = serve_two_stairs(tmp_path_factory.mktemp("scans"))
     yield app
     app.stop()
 

@@ -9,6 +9,13 @@ import zstandard
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from stair_inspector.files.simulations import simulate_to_file
+from stair_inspector.params import Params
+from stair_inspector.simulate.specs import Scanner, Stair
+from stair_inspector.viewer.app import App
+
+SCANNER = Scanner(max_points=6_000, azimuth_step_deg=0.3, elevation_step_deg=0.3, spacing_m=0.01, noise_m=0.002)
+STAIR, OTHER = "stair.ply", "other.ply"
 SETTLE_S = 20.0
 _CAMERA = {
     "type": "ViewerCameraMessage",
@@ -22,6 +29,13 @@ _CAMERA = {
     "look_at": (0.0, 0.0, 0.0),
     "up_direction": (0.0, 0.0, 1.0),
 }
+
+
+def serve_two_stairs(folder):
+    """A server of two small scans, STAIR with four risers and OTHER with three."""
+    for name, n_risers in ((STAIR, 4), (OTHER, 3)):
+        simulate_to_file(folder / name, Stair(n_risers=n_risers, floor_front_m=0.8, upper_landing_m=0.6), SCANNER)
+    return App([folder / STAIR, folder / OTHER], Params(), port=0, saves_projects=False)
 
 
 class WirePage:

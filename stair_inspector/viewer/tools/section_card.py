@@ -1,11 +1,10 @@
 """A section as a large drawing in a window of its own, which can be made larger still and moved about in."""
 
-import threading
 from collections.abc import Callable
-from typing import Any
 
 import viser
 
+from stair_inspector.viewer.cards import Card
 from stair_inspector.viewer.notices import from_page
 
 ZOOMS = (1, 2, 4, 8)
@@ -21,7 +20,7 @@ _WIDE = (
 )
 
 
-class SectionCard:
+class SectionCard(Card):
     """The window; there is one at a time.
 
     Parameters
@@ -33,20 +32,19 @@ class SectionCard:
     """
 
     def __init__(self, gui: viser.GuiApi, guard: Callable[[Callable[..., None]], Callable[..., None]]) -> None:
-        self._gui = gui
+        super().__init__(gui, "Section")
         self._guard = guard
-        self._lock = threading.Lock()
-        self._modal: Any = None
         self._zoom = 0
 
     def open(self, draw: Callable[[int, int], str]) -> None:
         """Open the window with what ``draw(width, tallest)`` returns, which is called again for every size."""
         self.close()
-        with self._lock, self._gui.add_modal("Section") as self._modal:
-            plot = self._gui.add_html("")
-            zoom = self._gui.add_button_group("Size", (_LARGER, _SMALLER), hint="The drawing can be scrolled.")
-            close = self._gui.add_button("Close", color="gray", hint="So does Escape.")
         self._zoom = 0
+        self.fill(lambda: self._add_plot(draw))
+
+    def _add_plot(self, draw: Callable[[int, int], str]) -> None:
+        plot = self._gui.add_html("")
+        zoom = self._gui.add_button_group("Size", (_LARGER, _SMALLER), hint="The drawing can be scrolled.")
 
         def show(option: str = "") -> None:
             self._zoom += {_LARGER: 1, _SMALLER: -1}.get(option, 0)
@@ -58,16 +56,4 @@ class SectionCard:
             )
 
         zoom.on_click(from_page(self._guard(show), lambda: zoom.value))
-        close.on_click(self._close)
         show()
-
-    def _close(self, _: Any) -> None:
-        self.close()
-
-    def close(self) -> bool:
-        """Close the window, and return whether it was open."""
-        with self._lock:
-            modal, self._modal = self._modal, None
-        if modal is not None:
-            modal.close()
-        return modal is not None
