@@ -380,6 +380,8 @@ def _rules_of(
         if chosen is None:
             if options.overlay:
                 raise ConfigError(f"{command}: got --overlay without a rule set; name one with --rules")
+            if _value_of(args, "--decision") is not None:
+                raise ConfigError(f"{command}: got --decision without a rule set; name one with --rules")
             return None
         rule_set = chosen
     for name in options.overlay:

@@ -595,7 +595,10 @@ def is_one_line(text: str) -> bool:
 
 def brief(value: object) -> str:
     """Return a wrong value as a message repeats it, its end cut off where it is long."""
-    shown = repr(value)
+    try:
+        shown = repr(value)
+    except RecursionError:
+        shown = f"a {type(value).__name__} nested too deeply to be shown"
     return shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}..."
 
 

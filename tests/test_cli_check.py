@@ -57,11 +57,16 @@ def test_a_set_can_be_copied_and_changed(run, tmp_path):  # noqa: F811
     assert code == 0
     assert out == (static_configs() / "codes" / "us-irc-2024.toml").read_text(encoding="utf-8")
     mine = tmp_path / "mine.toml"
+    mine.write_text(out.replace('"7 3/4 in"', '"9 in"'), encoding="utf-8")
+    assert refusal(run, "check", STRAIGHT, "--rules", mine).endswith(
+        "the id 'us-irc-2024' is that of a set that comes with the program; give the file another id"
+    )
     mine.write_text(out.replace('"us-irc-2024"', '"my-town"').replace('"7 3/4 in"', '"6 1/2 in"'), encoding="utf-8")
     code, out, _ = run("check", STRAIGHT, "--rules", mine)
     assert code == 1
     assert "at most 6 1/2 in (165.1 mm)" in out
     assert "my-town" in out
+    assert "edited by the user: user's own file, not a set that comes with the program" in out
 
 
 def test_rules_refuses_what_it_does_not_know(run):  # noqa: F811
@@ -164,6 +169,10 @@ def test_without_a_folder_nothing_is_written(run, tmp_path, monkeypatch):  # noq
         (
             ["measure", STRAIGHT, "-o", "out", "--overlay", "us-nfpa-101-uniformity"],
             "measure: got --overlay without a rule set; name one with --rules",
+        ),
+        (
+            ["measure", STRAIGHT, "-o", "out", "--decision", "simple"],
+            "measure: got --decision without a rule set; name one with --rules",
         ),
     ],
     ids=str,

@@ -69,7 +69,9 @@ class Finding:
     ``value``, its expanded uncertainty ``u`` (k = 2) and ``margin`` are metres, degrees, tangents or counts, as the
     rule's quantity; ``margin`` is the distance to ``limit``, the nearest one, negative beyond it. ``flight`` is None
     where the finding is about the whole scan, ``steps`` empty where it is about a flight as such. ``reason`` says why
-    there is no verdict, or what it leaves open. A value without a verdict is what was measured of it.
+    there is no verdict, or what it leaves open. A value without a verdict is what was measured of it. ``u_fit`` is what
+    tells whether the scan is good enough: the larger of the uncertainties to both sides. ``applies`` is False where the
+    rule is about nothing here.
     """
 
     rule: Rule
@@ -81,13 +83,21 @@ class Finding:
     margin: float | None = None
     limit: Limit | None = None
     reason: str = ""
+    u_fit: float | None = None
+    applies: bool = True
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the rule applies, or may, and nothing is said of it: no pass."""
+        return self.applies and self.verdict in (Verdict.NOT_MEASURED, Verdict.NOT_JUDGED)
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
     """Is the scan good enough for this rule? ``u``, the largest of its values', is held against ``tolerance``.
 
-    ``is_fit`` is None where there is nothing to say: nothing was measured, or the rule has no number.
+    ``is_fit`` is None where there is nothing to say: nothing was measured, or the rule has no number. With a
+    ``tolerance`` it is None where it cannot be said: of a difference whose registration is not stated.
     """
 
     rule_id: str
@@ -95,6 +105,13 @@ class Fit:
     is_fit: bool | None
     u: float | None = None
     tolerance: float | None = None
+
+    @property
+    def short(self) -> str:
+        """The answer in a word or two; a hyphen where there is nothing to say."""
+        if self.is_fit is None:
+            return "-" if self.tolerance is None else "cannot be said"
+        return "fit" if self.is_fit else "not fit"
 
 
 @dataclass(frozen=True, slots=True)

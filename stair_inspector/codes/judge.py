@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import get_args
 
 from stair_inspector.codes.findings import Check, Decision, Finding, Fit, Verdict
-from stair_inspector.codes.quantities import difference, spread, step_value, total
-from stair_inspector.codes.rules import Limit, Rule, RuleSet
+from stair_inspector.codes.quantities import difference, spread, step_value, total, usable
+from stair_inspector.codes.rules import LENGTH_UNITS, QUANTITIES, Limit, Rule, RuleSet
 from stair_inspector.codes.words import shown
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Flight, Inspection, Measured, Step
@@ -45,6 +45,9 @@ _CAVEATS = {
 }
 """Codes of the notes on a step that say why a value of it is uncertain."""
 _SINGLE = "does not apply: a single step differs from nothing"
+_NO_NEIGHBOURS = "does not apply: no two neighbouring steps to which the clause applies"
+_NO_NUMBER = "its value or its uncertainty is no finite number"
+_LAST_RISER = "the riser up to a landing has no going above it: it is in no sum of twice the rise and the going"
 
 
 def check(inspection: Inspection, rule_set: RuleSet, decision: Decision = "guarded") -> Check:
@@ -88,6 +91,8 @@ def check(inspection: Inspection, rule_set: RuleSet, decision: Decision = "guard
             unseen.append(f"{rule.term}, {rule.limit_text} ({rule.clause})")
     notes = tuple(dict.fromkeys(note.message for note in inspection.notes if note.code in _TELLING_NOTES))
     partly = [f"{rule.term}: {rule.note}" for rule in rule_set.rules if rule.from_scan == "partly" and rule.note]
+    if any(rule.quantity == "two_r_plus_g" for rule in rule_set.rules) and judge.has_landings:
+        partly.append(_LAST_RISER)
     notes = (*dict.fromkeys(partly), *notes)
     return Check(rule_set, decision, tuple(findings), tuple(fits), (*unseen, *rule_set.not_assessed), notes)
 
@@ -132,6 +137,11 @@ class _Judge:
                 continue
             findings += [self._judged(rule, place) for place in self._places(rule, flight)]
         return findings
+
+    @property
+    def has_landings(self) -> bool:
+        """Whether a flight ends at a landing that was seen."""
+        return any(_has_upper_end(self._steps_of(flight)) for flight in self._inspection.flights)
 
     def _why_nothing(self) -> str:
         if self._inspection.steps:
@@ -200,6 +210,8 @@ class _Judge:
 
     def _why_not(self, step: Step, flight: Flight, quantity: str) -> str:
         """Say why a value is missing: the survey's own note where it left one."""
+        if not _is_usable(step, quantity):
+            return f"not measured at step {step.step_id}: {_NO_NUMBER}"
         here, above = step.step_id, step.step_id + 1
         is_last = here == flight.step_ids[-1]
         codes = {
@@ -222,17 +234,21 @@ class _Judge:
     def _differences(self, rule: Rule, flight: Flight, steps: Sequence[Step]) -> list[_Place]:
         places = []
         for lower, upper in itertools.pairwise(steps):
+            if upper.step_id != lower.step_id + 1:
+                # The clause does not apply to those between them.
+                continue
             a, b = step_value(lower, rule.quantity), step_value(upper, rule.quantity)
             pair = (lower.step_id, upper.step_id)
             if a is None or b is None:
                 lost = lower if a is None else upper
                 places.append(_Place(flight.flight_id, pair, None, self._why_not(lost, flight, rule.quantity)))
             else:
-                measured = difference(b, a, rule.quantity in _CHAINED and upper.step_id == lower.step_id + 1)
+                measured = difference(b, a, rule.quantity in _CHAINED)
                 is_doubtful = None in (self._applies(rule, lower), self._applies(rule, upper))
                 places.append(_Place(flight.flight_id, pair, measured, is_doubtful=is_doubtful))
         if not places:
-            return [_Place(flight.flight_id, (), None, _SINGLE, applies=False)]
+            reason = _SINGLE if len(steps) == 1 else _NO_NEIGHBOURS
+            return [_Place(flight.flight_id, (), None, reason, applies=False)]
         return places
 
     def _spread(self, rule: Rule, flight: Flight, steps: Sequence[Step]) -> _Place:
@@ -267,9 +283,14 @@ class _Judge:
     def _of_flight(self, rule: Rule, flight: Flight) -> _Place:
         steps = self._steps_of(flight)
         if rule.quantity == "pitch":
-            reason = "" if flight.pitch_deg else "a nosing is missing or the flight has a single step: it has no line"
-            return _Place(flight.flight_id, (), flight.pitch_deg, reason)
-        rises = [step.rise_m for step in steps]
+            pitch = usable(flight.pitch_deg)
+            lost = (
+                _NO_NUMBER
+                if flight.pitch_deg
+                else "a nosing is missing or the flight has a single step: it has no line"
+            )
+            return _Place(flight.flight_id, (), pitch, "" if pitch else lost)
+        rises = [usable(step.rise_m) for step in steps]
         open_ends = []
         if rises[0] is None:
             open_ends.append(self._why_not(steps[0], flight, "rise"))
@@ -288,7 +309,7 @@ class _Judge:
         measured = place.measured
         if measured is None:
             verdict = Verdict.NOT_MEASURED if place.applies else Verdict.NOT_JUDGED
-            return Finding(rule, place.flight, place.steps, verdict, reason=place.reason)
+            return Finding(rule, place.flight, place.steps, verdict, reason=place.reason, applies=place.applies)
         margin, limit = _nearest(rule, measured.value)
         if rule.severity == "report_only" or margin is None:
             reason = place.reason or _why_only_reported(rule)
@@ -299,15 +320,21 @@ class _Judge:
         u = place.u_down if is_too_large and place.u_down is not None else measured.u
         verdict = self._verdict(margin, u)
         reason = place.reason
-        if place.is_partial and not (verdict.is_outside and limit is rule.maximum):
+        is_certain = limit is rule.maximum if verdict.is_outside else rule.maximum is None
+        if place.is_partial and not is_certain:
             # More of the flight can only make a spread, a count or a sum larger.
             verdict = Verdict.NOT_MEASURED
             reason = f"{shown(rule.quantity, measured.value)} is what was measured of it: {reason}"
-        if place.is_doubtful:
-            is_softened = verdict is Verdict.OUTSIDE and self._decision == "guarded"
-            verdict = Verdict.OUTSIDE_CLOSE if is_softened else verdict
-            reason = "; ".join(part for part in (reason, "whether the clause applies here is not certain") if part)
-        return Finding(rule, place.flight, place.steps, verdict, measured.value, u, margin, limit, reason)
+        if place.is_doubtful and verdict.is_outside:
+            verdict = Verdict.NOT_JUDGED
+            reason = _joined(reason, f"beyond the limit, but {_why_doubtful(rule)}")
+        elif place.is_doubtful:
+            reason = _joined(reason, "whether the clause applies here is not certain")
+        if rule.from_scan == "partly" and verdict.is_within:
+            verdict = Verdict.REPORTED
+            reason = _joined(reason, _why_partly(rule))
+        u_fit = max(measured.u, place.u_down or 0.0) if is_too_large else measured.u
+        return Finding(rule, place.flight, place.steps, verdict, measured.value, u, margin, limit, reason, u_fit)
 
     def _verdict(self, margin: float, u: float) -> Verdict:
         if self._decision == "simple":
@@ -335,6 +362,42 @@ def _margins(rule: Rule, value: float) -> list[tuple[float, Limit]]:
     return margins
 
 
+def _joined(*parts: str) -> str:
+    return "; ".join(part for part in parts if part)
+
+
+def _why_doubtful(rule: Rule) -> str:
+    condition = rule.only_where
+    if condition is None:
+        return "whether the clause applies here is not certain"
+    words = condition.quantity.replace("_", " ")
+    return (
+        f"the clause applies only where the {words} is below {condition.below.text}, and here the {words} was not "
+        "measured or is too near to tell"
+    )
+
+
+def _why_partly(rule: Rule) -> str:
+    """Say why a value inside the limits of a rule of which a scan shows only a part is no value within."""
+    if rule.quantity == "width":
+        return "the tread's width is inside the limit; the clear width was not seen"
+    if rule.applies:
+        return f"inside the limit; applies to {rule.applies}, which the scan does not tell"
+    return "inside the limit; the scan shows only a part of what the clause limits"
+
+
+def _is_usable(step: Step, quantity: str) -> bool:
+    """Tell whether all that a quantity is made of is a number where it was measured."""
+    made_of = {
+        "two_r_plus_g": (step.rise_m, step.going_m),
+        "tread_slope": (step.fall_deg, step.cross_fall_deg),
+        "landing_slope": (step.fall_deg, step.cross_fall_deg),
+        "pitch": (step.pitch_deg,),
+    }
+    values = made_of[quantity] if quantity in made_of else (getattr(step, f"{quantity}_m", None),)
+    return all(value is None or usable(value) is not None for value in values)
+
+
 def _has_upper_end(steps: Sequence[Step]) -> bool:
     return steps[-1].kind == "landing"
 
@@ -352,10 +415,10 @@ def _why_only_reported(rule: Rule) -> str:
 def _fit_of(rule: Rule, findings: Sequence[Finding], registration_m: float) -> Fit:
     """Say whether the scan is good enough to judge a rule: its largest U against the tolerance.
 
-    In a difference all that is left is what moves single steps, of which no scan shows its own registration: the words
-    say what the user has stated of it.
+    In a difference all that is left is what moves single steps, of which no scan shows its own registration: where
+    the user has stated none, a U that looks small enough says nothing.
     """
-    doubts = [found.u for found in findings if found.u is not None]
+    doubts = [u for found in findings if (u := found.u if found.u_fit is None else found.u_fit) is not None]
     if rule.from_scan == "no":
         return Fit(rule.rule_id, "not assessed from a scan", None)
     if not doubts:
@@ -370,13 +433,18 @@ def _fit_of(rule: Rule, findings: Sequence[Finding], registration_m: float) -> F
         return Fit(
             rule.rule_id, "not fit: what is intended lies on the limit, where no measurement decides", False, u, 0.0
         )
-    is_fit = u <= _FIT_SHARE * tolerance
+    is_fit: bool | None = u <= _FIT_SHARE * tolerance
     most = shown(rule.quantity, _FIT_SHARE * tolerance)
     words = f"U up to {shown(rule.quantity, u)}; this check needs at most {most}"
-    if rule.statistic in _DIFFERENCES:
-        stated = f"is stated as {shown(rule.quantity, registration_m)}" if registration_m else "is not stated"
+    if rule.statistic in _DIFFERENCES and QUANTITIES[rule.quantity] == LENGTH_UNITS:
+        stated = f"is stated as {1000.0 * registration_m:g} mm" if registration_m else "is not stated"
         words += f"; registration from step to step {stated}"
-    return Fit(rule.rule_id, f"{'fit' if is_fit else 'not fit'}: {words}", is_fit, u, tolerance)
+        if is_fit and not registration_m:
+            is_fit = None
+    if rule.from_scan == "partly":
+        words += "; the scan shows only a part of what the clause limits"
+    answer = {True: "fit", False: "not fit", None: "cannot be said"}[is_fit]
+    return Fit(rule.rule_id, f"{answer}: {words}", is_fit, u, tolerance)
 
 
 def _tolerance(rule: Rule) -> float:

@@ -25,7 +25,7 @@ _ALL_ROUND = math.sqrt(-2.0 * math.log(0.05)) / _K
 
 
 def step_value(step: Step, quantity: str) -> Measured | None:
-    """Return a quantity of one step, None where it was not measured.
+    """Return a quantity of one step, None where it was not measured or is not :func:`usable`.
 
     ``two_r_plus_g`` is twice the rise to the step and its going; the slope of a tread or landing is that in its
     steepest direction.
@@ -42,7 +42,18 @@ def step_value(step: Step, quantity: str) -> Measured | None:
         "nosing_overhang": step.nosing_overhang_m,
         "pitch": step.pitch_deg,
     }
-    return values[quantity]
+    return usable(values[quantity])
+
+
+def usable(measured: Measured | None) -> Measured | None:
+    """Return a value that can be judged: finite, with an uncertainty and parts that are finite and not negative.
+
+    None for any other. A number that is none would pass every comparison with a limit on one side.
+    """
+    if measured is None or not math.isfinite(measured.value):
+        return None
+    doubts = (measured.u, *(part for _, part in measured.parts))
+    return measured if all(math.isfinite(doubt) and doubt >= 0.0 for doubt in doubts) else None
 
 
 def part_of(measured: Measured, name: str) -> float:
@@ -57,7 +68,7 @@ def combined(value: float, parts: dict[str, float]) -> Measured:
 
 
 def _two_r_plus_g(step: Step) -> Measured | None:
-    rise, going = step.rise_m, step.going_m
+    rise, going = usable(step.rise_m), usable(step.going_m)
     if rise is None or going is None:
         return None
     parts = {name: math.hypot(2.0 * part_of(rise, name), part_of(going, name)) for name in OWN_PARTS}
@@ -69,13 +80,13 @@ def _two_r_plus_g(step: Step) -> Measured | None:
 
 def _steepest(step: Step) -> Measured | None:
     """Return the slope in the steepest direction, a tangent, from the slopes along and across the climb."""
-    if step.fall_deg is None or step.cross_fall_deg is None:
+    fall, cross_fall = usable(step.fall_deg), usable(step.cross_fall_deg)
+    if fall is None or cross_fall is None:
         return None
-    along, across = (math.tan(math.radians(angle.value)) for angle in (step.fall_deg, step.cross_fall_deg))
+    along, across = (math.tan(math.radians(angle.value)) for angle in (fall, cross_fall))
     slope = math.hypot(along, across)
     u_along, u_across = (
-        math.radians(angle.u) * (1.0 + tangent * tangent)
-        for angle, tangent in ((step.fall_deg, along), (step.cross_fall_deg, across))
+        math.radians(angle.u) * (1.0 + tangent * tangent) for angle, tangent in ((fall, along), (cross_fall, across))
     )
     if slope <= max(u_along, u_across):
         # Level within its uncertainty: the steepest direction may be any.
@@ -88,8 +99,9 @@ def difference(upper: Measured, lower: Measured, share_a_nosing: bool) -> Measur
 
     What is one error of the whole scan cancels as far as it is the same in both. Rises and goings of neighbours share
     a nosing: if it is wrong by e, one is too long by e and the other too short, so that their difference is wrong by
-    2 e. With n the noise of one nosing, a rise has 2 n**2 of variance and the difference of neighbours 6 n**2, half
-    more than that of steps apart.
+    2 e. With n the noise of the shared nosing and a, b that of the two values, the difference has the variance
+    a**2 + b**2 + 2 n**2. The values do not tell how large n is: at most as large as the smaller of both, which is what
+    is taken. Where all nosings are alike that is 15 % more than the true uncertainty.
 
     Parameters
     ----------
@@ -101,7 +113,7 @@ def difference(upper: Measured, lower: Measured, share_a_nosing: bool) -> Measur
     parts = {}
     for name in OWN_PARTS:
         a, b = part_of(upper, name), part_of(lower, name)
-        shared = min((a * a + b * b) / 4.0, a * a, b * b) if share_a_nosing else 0.0
+        shared = min(a * a, b * b) if share_a_nosing else 0.0
         parts[name] = math.sqrt(a * a + b * b + 2.0 * shared)
     for name in COMMON_PARTS:
         parts[name] = abs(part_of(upper, name) - part_of(lower, name))
@@ -117,8 +129,9 @@ def difference(upper: Measured, lower: Measured, share_a_nosing: bool) -> Measur
 def spread(values: Sequence[Measured], are_chained: bool) -> tuple[Measured, float, tuple[int, int]]:
     """Return the largest less the smallest of several values, its uncertainty upwards and downwards.
 
-    The true spread is at least that of any two values, so it is larger than the one found by no more than the
-    uncertainty of a difference of two. Downwards the choice counts: of many noisy values the largest and the smallest
+    The true spread is the difference of two of the values, of which pair is not known: it is at most the largest of all
+    differences with their uncertainties. A value of large uncertainty counts although it lies between the extremes.
+    Downwards the choice counts: of many noisy values the largest and the smallest
     are those with the luckiest noise, and an even flight shows a spread. There the part that is independent from
     nosing to nosing is widened from k = 2 for one pair to the 95 % point of the spread of n values.
 
@@ -132,23 +145,36 @@ def spread(values: Sequence[Measured], are_chained: bool) -> tuple[Measured, flo
     Returns
     -------
     measured : Measured
-        The spread; ``u`` is how much larger it may be (k = 2).
+        The spread; ``u`` is how much larger it may be (k = 2). It has no parts: its own and that of others meet in it.
     u_down : float
         How much smaller it may be (95 %).
     positions : tuple of int
-        Where in ``values`` the smallest and the largest are.
+        Where in ``values`` the smallest and the largest are; the first and the last where all are alike.
 
     References
     ----------
     .. [1] J. W. Tukey, The Problem of Multiple Comparisons, 1953 (simultaneous intervals of all differences).
     """
     low = min(range(len(values)), key=lambda k: values[k].value)
-    high = max(range(len(values)), key=lambda k: values[k].value)
+    high = max(range(len(values)), key=lambda k: (values[k].value, k))
     found = difference(values[high], values[low], are_chained and abs(high - low) == 1)
     common = sum(part_of(found, name) ** 2 for name in COMMON_PARTS)
     own = max(0.0, found.u**2 - common)
     widened = max(1.0, spread_quantile(len(values)) / (_K * math.sqrt(2.0)))
-    return found, math.sqrt(own * widened**2 + common), (low, high)
+    upwards = Measured(found.value, _largest_end(values, are_chained, found) - found.value)
+    return upwards, math.sqrt(own * widened**2 + common), (low, high)
+
+
+def _largest_end(values: Sequence[Measured], are_chained: bool, found: Measured) -> float:
+    """Return the largest of all differences of two values, each with its uncertainty added."""
+    largest = found.value + found.u
+    for j, upper in enumerate(values):
+        for i, lower in enumerate(values[:j]):
+            # The uncertainty of a difference is at most the sum of both: most pairs need no closer look.
+            if abs(upper.value - lower.value) + upper.u + lower.u > largest:
+                pair = difference(upper, lower, are_chained and j - i == 1)
+                largest = max(largest, pair.value + pair.u)
+    return largest
 
 
 def total(rises: Sequence[Measured]) -> Measured:

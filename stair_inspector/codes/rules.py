@@ -14,6 +14,9 @@ FromScan = Literal["yes", "partly", "no"]
 Grade = Literal["P", "S", "G"]
 Side = Literal["minimum", "maximum"]
 
+OWN_FILE = "user's own file, not a set that comes with the program"
+"""What is said of a rule set whose file the program does not bring."""
+
 GRADES = {
     "P": "official text, or a word-for-word copy of it, was read",
     "S": "stored secondary sources agree",
@@ -63,6 +66,10 @@ _NUMBER = re.compile(
 _SLOPE = re.compile(rf"1:(?P<run>{_PLAIN})")
 _ID = re.compile(r"[a-z0-9](?:[a-z0-9.-]{0,79})")
 _TEXT_LIMIT = 2000
+_TURNERS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+"""Letters that turn the direction of those after them, so that a text reads as another than it is."""
+_CHAINED_ALONE = ("pitch", "two_r_plus_g")
+"""Quantities of which neighbours share nosings in a way that no difference of two of them heeds."""
 
 
 def parse_written(written: str, unit: str) -> Fraction:
@@ -214,6 +221,10 @@ class Rule:
         ):
             fitting = "flight" if self.quantity in FLIGHT_QUANTITIES else "each, flight_range or adjacent_difference"
             raise ConfigError(f"{place}: statistic: {self.quantity} has no {self.statistic!r}; give {fitting}")
+        if self.quantity in _CHAINED_ALONE and self.statistic in ("flight_range", "adjacent_difference"):
+            raise ConfigError(
+                f"{place}: statistic: the {self.statistic!r} of {self.quantity} is not judged; limit rise and going"
+            )
         if (self.quantity == "other") != (self.from_scan == "no"):
             raise ConfigError(
                 f"{place}: from_scan: quantity 'other' is what no scan shows, from_scan = 'no'; give both"
@@ -258,7 +269,8 @@ class RuleSet:
 
     ``file`` and ``sha256`` (hex) are the name and the hash of the file it was read from; ``edits`` what was changed
     since, oldest first; ``overlays`` what was laid over it, in words. ``not_assessed`` are sentences on what the code
-    limits and no scan shows. An overlay holds rules to be used beside those of a full set.
+    limits and no scan shows. An overlay holds rules to be used beside those of a full set. ``is_shipped``
+    tells that the file is one that comes with the program, byte for byte.
     """
 
     set_id: str
@@ -273,12 +285,14 @@ class RuleSet:
     edits: tuple[RuleEdit, ...] = ()
     overlays: tuple[str, ...] = ()
     is_overlay: bool = False
+    is_shipped: bool = False
 
     def __post_init__(self) -> None:
         check_id("set id", self.set_id)
         for name in ("name", "edition", "source"):
             _check_text(f"rule set {self.set_id}: {name}", getattr(self, name))
         _check_text(f"rule set {self.set_id}: variant", self.variant, may_be_empty=True)
+        _check_text(f"rule set {self.set_id}: the name of its file", self.file, may_be_empty=True)
         for text in self.not_assessed:
             _check_text(f"rule set {self.set_id}: not_assessed", text)
         if not self.rules:
@@ -293,6 +307,12 @@ class RuleSet:
     def is_edited(self) -> bool:
         """Whether a user has changed a limit."""
         return bool(self.edits)
+
+    @property
+    def edited_words(self) -> str:
+        """Whether a user has changed a limit, in words; of a file of the user's own that it is one."""
+        answer = "yes" if self.is_edited else "no"
+        return answer if self.is_shipped else f"{OWN_FILE}; limits edited afterwards: {answer}"
 
     @property
     def grades(self) -> str:
@@ -361,6 +381,11 @@ def overlaid(base: RuleSet, overlay: RuleSet) -> RuleSet:
     if not overlay.is_overlay:
         raise ConfigError(f"rule set {overlay.set_id} is a full set, no overlay; check against it by itself")
     words = overlay.title + f" ({overlay.set_id}" + (f", SHA-256 {overlay.sha256})" if overlay.sha256 else ")")
+    if not overlay.is_shipped:
+        words += f", {OWN_FILE}"
+    countries = [each.set_id.partition("-")[0] for each in (base, overlay)]
+    if base.is_shipped and overlay.is_shipped and countries[0] != countries[1]:
+        words += f": made for sets {countries[1]}-..., not for {base.set_id}; take it as advice of another country"
     return replace(
         base,
         rules=base.rules + overlay.rules,
@@ -368,6 +393,11 @@ def overlaid(base: RuleSet, overlay: RuleSet) -> RuleSet:
         edits=base.edits + overlay.edits,
         overlays=(*base.overlays, words),
     )
+
+
+def is_plain_line(text: str) -> bool:
+    """Return whether a text is one line that reads in its own order: no control and no turn of the direction."""
+    return is_one_line(text) and _TURNERS.isdisjoint(text)
 
 
 def check_id(what: str, text: str) -> None:
@@ -382,7 +412,7 @@ def _check_text(place: str, text: str, may_be_empty: bool = False) -> None:
         raise ConfigError(f"{place}: give a text of at most {_TEXT_LIMIT} characters in quotes")
     if not text.strip() and not may_be_empty:
         raise ConfigError(f"{place}: is empty; fill it in")
-    if not is_one_line(text):
+    if not is_plain_line(text):
         raise ConfigError(f"{place}: holds a line break or a control character; write it on one line")
 
 

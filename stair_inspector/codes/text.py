@@ -5,7 +5,7 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 
 from stair_inspector.codes.findings import DECISIONS, Check, Finding, Verdict, gravest
-from stair_inspector.codes.rules import GRADES, Rule, RuleSet
+from stair_inspector.codes.rules import GRADES, OWN_FILE, Rule, RuleSet
 from stair_inspector.codes.words import display_of, shown
 
 _STATISTICS = {
@@ -21,7 +21,8 @@ def check_text(check: Check) -> str:
     lines = [*_head_of(check), "", *_indented(_table(_rows_of(check))), ""]
     lines += _section("outside", _outside(check))
     lines += _section("not measured or not judged", _unjudged(check))
-    lines += _section("the scan is not fit for", _unfit(check))
+    lines += _section("the scan is not fit for", _fits_of(check, "not fit"))
+    lines += _section("whether the scan is fit cannot be said for", _fits_of(check, "cannot be said"))
     lines += _section("not assessed from a scan", check.not_assessed)
     lines += _section("notes", check.notes)
     return "\n".join([*lines, f"  {verdict_sentence(check)}"])
@@ -33,7 +34,7 @@ def verdict_sentence(check: Check) -> str:
     outside = [found for found in limits if found.verdict is Verdict.OUTSIDE]
     close = [found for found in limits if found.verdict is Verdict.OUTSIDE_CLOSE]
     warned = [found for found in check.findings if found.verdict.is_outside and found.rule.severity == "advisory"]
-    unsure = [found for found in check.findings if found.verdict in (Verdict.NOT_MEASURED, Verdict.NOT_JUDGED)]
+    unsure = [found for found in check.findings if found.is_open]
     parts = []
     if outside or close:
         overlays = "" if not check.rule_set.overlays else " and its overlays"
@@ -52,7 +53,7 @@ def verdict_sentence(check: Check) -> str:
     if any(found.verdict is Verdict.NOT_MEASURED for found in unsure):
         count = sum(found.verdict is Verdict.NOT_MEASURED for found in unsure)
         parts.append(f"{count} value{' was' if count == 1 else 's were'} not measured, which is no pass")
-    if any(found.verdict is Verdict.NOT_JUDGED and found.rule.only_where is None for found in unsure):
+    if any(found.verdict is Verdict.NOT_JUDGED for found in unsure):
         parts.append("what was not judged is no pass either")
     sentence = "; ".join(parts)
     return sentence[0].upper() + sentence[1:] + "."
@@ -112,13 +113,15 @@ def _head_of(check: Check) -> Iterable[str]:
         before, after = ("none" if limit is None else limit.text for limit in (edit.before, edit.after))
         yield f"  edited by the user: {edit.rule_id}, {edit.side} {before} became {after}: {edit.reason}"
     if not rule_set.is_edited:
-        yield "  edited by the user: no"
+        yield f"  edited by the user: {rule_set.edited_words}"
+    elif not rule_set.is_shipped:
+        yield f"  {OWN_FILE}"
     yield f"  {DECISIONS[check.decision]}"
 
 
 def _rows_of(check: Check) -> list[Sequence[str]]:
-    rows: list[Sequence[str]] = [("rule", "clause", "limit", "value that decides", "margin", "at", "result")]
-    for rule in check.rule_set.rules:
+    rows: list[Sequence[str]] = [("rule", "clause", "limit", "value that decides", "margin", "at", "scan", "result")]
+    for rule, fit in zip(check.rule_set.rules, check.fits, strict=True):
         findings = check.of_rule(rule.rule_id)
         worst = gravest(findings)
         has_margin = worst.margin is not None and worst.verdict is not Verdict.REPORTED
@@ -128,13 +131,20 @@ def _rows_of(check: Check) -> list[Sequence[str]]:
                 rule.rule_id,
                 rule.clause,
                 rule.limit_text,
-                value_text(worst),
+                _value_of(worst),
                 margin,
                 place_text(worst),
+                fit.short,
                 _result_of(rule, worst, findings),
             )
         )
     return rows
+
+
+def _value_of(found: Finding) -> str:
+    """Return the value; with what it is of, where that is less than the clause limits."""
+    is_less = found.rule.from_scan == "partly" and found.rule.quantity == "width" and found.value is not None
+    return f"{value_text(found)} (tread width)" if is_less else value_text(found)
 
 
 def _result_of(rule: Rule, worst: Finding, findings: Sequence[Finding]) -> str:
@@ -179,8 +189,8 @@ def _unjudged(check: Check) -> Iterable[str]:
         yield f"{place}: {reason} ({', '.join(rules)})"
 
 
-def _unfit(check: Check) -> Iterable[str]:
-    return (f"{fit.rule_id}: {fit.words.removeprefix('not fit: ')}" for fit in check.fits if fit.is_fit is False)
+def _fits_of(check: Check, answer: str) -> Iterable[str]:
+    return (f"{fit.rule_id}: {fit.words.removeprefix(f'{answer}: ')}" for fit in check.fits if fit.short == answer)
 
 
 def _clauses(findings: Iterable[Finding]) -> str:

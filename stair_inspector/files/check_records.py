@@ -41,6 +41,7 @@ def _set_record(rule_set: RuleSet) -> dict[str, Any]:
         "file": rule_set.file,
         "sha256": rule_set.sha256,
         "overlays": list(rule_set.overlays),
+        "is_shipped": rule_set.is_shipped,
         "is_edited": rule_set.is_edited,
         "edits": [_edit_record(edit) for edit in rule_set.edits],
     }

@@ -1,12 +1,13 @@
 """Rule sets as TOML: those that come with the program, and a user's own."""
 
+import functools
 import hashlib
 import re
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from stair_inspector.codes.rules import UNITS, Condition, Limit, Rule, RuleSet
+from stair_inspector.codes.rules import UNITS, Condition, Limit, Rule, RuleSet, is_plain_line
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.toml import check_keys, parse_toml, read_toml_bytes
@@ -17,6 +18,7 @@ _RULE_KEYS = tuple("id" if item.name == "rule_id" else item.name for item in fie
 _OPTIONAL = ("variant", "overlay", "not_assessed", "minimum", "maximum", "applies", "note", "only_where")
 _LIMIT = re.compile(r"(?P<written>[0-9][0-9 ./]*[0-9]|[0-9])\s*(?P<unit>[^\s0-9.,/]*)")
 _MOST_RULES = 1000
+_MOST_BYTES = 300_000
 
 
 def read_rule_set(path: Path) -> RuleSet:
@@ -28,6 +30,7 @@ def read_rule_set(path: Path) -> RuleSet:
         Unreadable, no TOML, an unknown key (the nearest known name is given), a missing one, a limit that is none, or
         two rules of one id.
     """
+    _check_name(str(path))
     return parse_rule_set(read_toml_bytes(path), str(path))
 
 
@@ -37,8 +40,12 @@ def parse_rule_set(data: bytes, place: str) -> RuleSet:
     Raises
     ------
     ConfigError
-        As :func:`read_rule_set`.
+        As :func:`read_rule_set`, a file larger than 300 kB, or the id of a set that comes with the program in a file
+        that is not that set's.
     """
+    _check_name(place)
+    if len(data) > _MOST_BYTES:
+        raise ConfigError(f"{place}: larger than {_MOST_BYTES // 1000} kB, which no rule file is")
     values = parse_toml(data, place)
     check_keys(place, values, _SET_KEYS)
     _check_present(place, values, _SET_KEYS)
@@ -53,6 +60,12 @@ def parse_rule_set(data: bytes, place: str) -> RuleSet:
     is_overlay = values.get("overlay", False)
     if not isinstance(is_overlay, bool):
         raise ConfigError(f"{place}: overlay: got {brief(is_overlay)}; give true or false")
+    sha256 = hashlib.sha256(data).hexdigest()
+    shipped = _shipped_hashes()
+    if isinstance(values["id"], str) and shipped.get(values["id"], sha256) != sha256:
+        raise ConfigError(
+            f"{place}: the id {values['id']!r} is that of a set that comes with the program; give the file another id"
+        )
     rules = tuple(_to_rule(f"{place}: rule {number}", record) for number, record in enumerate(records, 1))
     try:
         return RuleSet(
@@ -64,8 +77,9 @@ def parse_rule_set(data: bytes, place: str) -> RuleSet:
             rules=rules,
             not_assessed=tuple(not_assessed),
             file=Path(place).name,
-            sha256=hashlib.sha256(data).hexdigest(),
+            sha256=sha256,
             is_overlay=is_overlay,
+            is_shipped=values["id"] in shipped,
         )
     except ConfigError as error:
         raise ConfigError(f"{place}: {error}") from error
@@ -128,6 +142,18 @@ def parse_limit(text: str) -> Limit:
 
 def _shipped() -> dict[str, Path]:
     return {path.stem: path for path in (static_configs() / "codes").glob("*.toml")}
+
+
+@functools.cache
+def _shipped_hashes() -> dict[str, str]:
+    """Return the SHA-256 of the file of each set that comes with the program, by id."""
+    return {set_id: hashlib.sha256(path.read_bytes()).hexdigest() for set_id, path in _shipped().items()}
+
+
+def _check_name(name: str) -> None:
+    """Raise ConfigError for a name that a terminal or a report would show as another."""
+    if not is_plain_line(name):
+        raise ConfigError(f"rule file {ascii(name)[:200]}: its name holds a control character; rename the file")
 
 
 def _check_present(place: str, values: dict[str, Any], keys: tuple[str, ...]) -> None:

@@ -1,6 +1,7 @@
 """TOML files, read so that every error names the file and the key."""
 
 import difflib
+import re
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -9,6 +10,12 @@ from typing import Any
 from stair_inspector.errors import ConfigError
 
 _MAX_BYTES = 1_000_000
+_MOST_PARTS = 50
+_KEY_PART = r"""(?:[\w-]{1,200}|"(?:[^"\\\n]|\\.){0,200}"|'[^'\n]{0,200}')"""
+_LONG_KEY = re.compile(rf"(?<![\w-]){_KEY_PART}(?:[ \t]*\.[ \t]*{_KEY_PART}){{{_MOST_PARTS}}}")
+"""More parts with dots between them than a key has. The reader's time grows with the square of their number.
+
+Parts are bounded, so that the search itself takes no longer for a text that was made to be slow."""
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -43,13 +50,18 @@ def parse_toml(data: bytes, place: str) -> dict[str, Any]:
     Raises
     ------
     ConfigError
-        Larger than 1 MB, not UTF-8 or not TOML.
+        Larger than 1 MB, not UTF-8, a key of more than 50 parts, or not TOML.
     """
     if len(data) > _MAX_BYTES:
         raise ConfigError(f"{place}: larger than {_MAX_BYTES // 1_000_000} MB, which no settings file is")
     try:
-        # As a file that is opened as text: TOML itself allows no lone carriage return.
-        return tomllib.loads(data.decode("utf-8").replace("\r\n", "\n").replace("\r", "\n"))
+        # As a file that is opened as text: TOML itself allows no lone carriage return, and no mark of the byte order.
+        content = data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+        long_key = _LONG_KEY.search(content)
+        if long_key is not None:
+            line = content.count("\n", 0, long_key.start()) + 1
+            raise ConfigError(f"{place}: line {line}: a key of more than {_MOST_PARTS} parts; give a shorter one")
+        return tomllib.loads(content)
     except UnicodeDecodeError as error:
         raise ConfigError(f"{place}: is not a text file; give a TOML file") from error
     except (ValueError, RecursionError) as error:

@@ -19,7 +19,13 @@ from stair_inspector.viewer.step_marks import tone_css, tone_of
 
 RULE = "rule"
 """Word before a rule's number, from 1."""
-_TELLING = (Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE, Verdict.WITHIN_CLOSE, Verdict.NOT_MEASURED)
+_TELLING = (
+    Verdict.OUTSIDE,
+    Verdict.OUTSIDE_CLOSE,
+    Verdict.WITHIN_CLOSE,
+    Verdict.NOT_MEASURED,
+    Verdict.NOT_JUDGED,
+)
 """Verdicts that are told of a single step; what is plainly within is counted."""
 _FIT_TONES: dict[bool | None, Tone] = {True: "good", False: "close", None: "plain"}
 _CELL = "padding:5px 4px;vertical-align:top"
@@ -152,16 +158,22 @@ def _said(tone: Tone, words: str) -> str:
 
 def _origin(rules: RuleSet) -> str:
     grades = "; ".join(f"{grade}: {GRADES[grade]}" for grade in rules.grades)
-    edited = f"yes, {len(rules.edits)} below" if rules.is_edited else "no"
+    edited = rules.edited_words + (f", {len(rules.edits)} below" if rules.is_edited else "")
     parts = [
         f"<b>{text(rules.title)}</b>",
         f'<span title="SHA-256 {text(rules.sha256)}">{text(rules.file or "no file")}, '
         f"SHA-256 {text(rules.sha256[:12])}…</span>",
-        *(f"overlay {text(words.partition(' (')[0])}" for words in rules.overlays),
-        f"edited by the user: {edited}",
+        *(f"overlay {text(_without_hash(words))}" for words in rules.overlays),
+        f"edited by the user: {text(edited)}",
         f'<span title="{text(grades)}">source graded {text(", ".join(rules.grades))}</span>',
     ]
     return " · ".join(parts)
+
+
+def _without_hash(overlay: str) -> str:
+    """Return the words on an overlay without its id and hash, which take a whole line."""
+    title, _, rest = overlay.partition(" (")
+    return title + rest.partition(")")[2]
 
 
 def _rule_rows(

@@ -17,7 +17,7 @@ from stair_inspector.model import (
     Step,
     Up,
 )
-from stair_inspector.params import Params
+from stair_inspector.params import Params, UncertaintyParams
 
 USUAL = {
     "rise": 0.165,
@@ -74,11 +74,11 @@ def flight_of(steps, shape="straight", n_risers=None, pitch=None, flight_id=1):
     )
 
 
-def inspection_of(steps, flights=None, notes=()):
+def inspection_of(steps, flights=None, notes=(), registration_m=0.0):
     """An inspection with these steps, one flight of them all unless flights are given."""
     return Inspection(
         scan=ScanSummary("made.ply", "0" * 64, 0, 0, "m", (0.0, 0.0, 0.0)),
-        params=Params(),
+        params=Params(uncertainty=UncertaintyParams(registration_m=registration_m)),
         up=Up(np.array([0.0, 0.0, 1.0]), "given"),
         axes=None,
         levels=(),
@@ -110,8 +110,8 @@ def holding(rule, value, u):
     if rule.statistic == "flight_range":
         return _spread(rule, value, u / math.sqrt(2.0), (2, 4))
     if rule.statistic == "adjacent_difference":
-        # Rises and goings of neighbours share a nosing: 3/2 of the sum of the squares.
-        return _spread(rule, value, u / math.sqrt(3.0), (2, 3))
+        # Rises and goings of neighbours share a nosing: at most twice the sum of the squares.
+        return _spread(rule, value, u / 2.0, (2, 3))
     if rule.quantity == "n_risers":
         steps = even()
         return inspection_of(steps, [flight_of(steps, n_risers=round(value))])
@@ -136,7 +136,7 @@ def usual_of(rule):
             usual[name] = (low + high) / 2.0
         elif rule.statistic == "each":
             # A limit of nothing has no multiple.
-            usual[name] = (1.3 * low or 0.02) if high is None else 0.7 * high
+            usual[name] = (1.3 * low or 0.02) if high is None else (0.7 * high or -0.02)
     if name == "two_r_plus_g":
         usual |= {"rise": 0.17, "going": (rule.minimum.value + rule.maximum.value) / 2.0 - 0.34}
     return usual

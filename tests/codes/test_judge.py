@@ -2,17 +2,19 @@
 
 import dataclasses
 import json
+import math
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stair_inspector.codes import Check, Limit, Verdict, check, gravest
+from stair_inspector.codes import Check, Limit, Verdict, check, edited, gravest
 from stair_inspector.codes.rules import Condition
 from stair_inspector.codes.text import check_text, verdict_sentence
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.check_records import check_record
 from stair_inspector.files.rule_sets import find_rule_set
+from stair_inspector.model import Measured
 from tests.codes.flights import changed, even, flight_of, inspection_of, measured, step
 from tests.codes.test_rules import rule, rule_set
 
@@ -140,6 +142,74 @@ def test_flights_are_judged_apart():
     assert [(found.flight, found.verdict) for found in result.findings] == [(1, Verdict.WITHIN), (2, Verdict.WITHIN)]
 
 
+def test_an_exactly_even_flight_names_two_steps():
+    assert judged(inspection_of(even()), RANGE).findings[0].steps == (1, 6)
+
+
+def test_a_spread_is_not_within_by_the_certainty_of_its_extremes_alone():
+    """A rise known to 14 mm lies between rises known to 0.4 mm: it may be the odd one."""
+    steps = changed(even(u=0.0004), 2, rise_m=measured(0.1645, 0.0004))
+    steps = changed(changed(steps, 5, rise_m=measured(0.1655, 0.0004)), 3, rise_m=measured(0.165, 0.014))
+    result = judged(inspection_of(steps, registration_m=0.0001), RANGE)
+    (found,) = result.findings
+    assert (found.steps, found.verdict) == ((2, 5), Verdict.WITHIN_CLOSE)
+    assert found.value == pytest.approx(0.001)
+    # 165 - 164.5 mm beside it, with 14 and 0.4 mm and a shared nosing.
+    assert found.value + found.u == pytest.approx(0.0005 + (0.014**2 + 3 * 0.0004**2) ** 0.5)
+    assert result.fits[0].is_fit is False
+
+
+def test_a_spread_outside_is_fit_only_where_no_value_makes_it_unsure():
+    steps = changed(changed(even(u=0.0004), 2, rise_m=measured(0.18, 0.0004)), 4, rise_m=measured(0.165, 0.02))
+    result = judged(inspection_of(steps, registration_m=0.0001), RANGE)
+    assert result.findings[0].verdict is Verdict.OUTSIDE
+    assert result.fits[0].is_fit is False
+    assert result.fits[0].u > 0.015
+
+
+def test_a_tilt_that_moves_all_rises_but_the_first_leaves_a_spread_open():
+    """The first rise stands on the floor at its foot: it has no part of the direction of up."""
+    parts = (("noise", 0.0004), ("up", 0.0048))
+    tilted = {height: Measured(height, math.hypot(0.0004, 0.0048), parts) for height in (0.165, 0.169, 0.171)}
+    steps = [step(k, "landing" if k == 6 else "tread", rise=tilted[0.169]) for k in range(1, 7)]
+    steps = changed(changed(steps, 3, rise_m=tilted[0.171]), 5, rise_m=tilted[0.165])
+    steps = changed(steps, 1, rise_m=measured(0.1655, 0.0004))
+    (found,) = judged(inspection_of(steps), RANGE).findings
+    # 6 mm between two that the tilt moves alike; from the first to the largest 5.5 mm, and the tilt beside it.
+    assert (found.steps, found.verdict) == ((3, 5), Verdict.WITHIN_CLOSE)
+    assert found.value == pytest.approx(0.006)
+    assert found.value + found.u == pytest.approx(0.0055 + math.sqrt(0.0048**2 + 2 * 0.0004**2))
+
+
+@pytest.mark.parametrize(
+    ("value", "u"), [(math.nan, 0.001), (math.inf, 0.001), (0.15, math.nan), (0.15, math.inf), (0.15, -0.001)]
+)
+def test_what_is_no_number_is_not_measured(value, u):
+    broken = Measured(value, u)
+    steps = changed(changed(even(rise=0.15), 3, rise_m=broken), 4, going_m=broken)
+    flights = [flight_of(steps, pitch=broken)]
+    sums = rule("sums", quantity="two_r_plus_g", minimum=None, maximum=Limit.of("700", "mm"))
+    pitch = rule("pitch", quantity="pitch", statistic="flight", minimum=None, maximum=Limit.of("42", "deg"))
+    result = judged(inspection_of(steps, flights), RISER, RANGE, ADJACENT, GOING, sums, pitch)
+    assert result.of_rule("riser")[2].verdict is Verdict.NOT_MEASURED
+    expected = "not measured at step 3: its value or its uncertainty is no finite number"
+    assert result.of_rule("riser")[2].reason == expected
+    assert [found.verdict for found in result.of_rule("range")] == [Verdict.NOT_MEASURED]
+    lost = {found.steps for found in result.of_rule("adjacent") if found.verdict is Verdict.NOT_MEASURED}
+    assert lost == {(2, 3), (3, 4)}
+    lost = {found.steps for found in result.of_rule("sums") if found.verdict is Verdict.NOT_MEASURED}
+    assert lost == {(3,), (4,)}
+    assert result.of_rule("going")[3].verdict is Verdict.NOT_MEASURED
+    assert [found.verdict for found in result.of_rule("pitch")] == [Verdict.NOT_MEASURED]
+    assert not result.is_outside
+    json.dumps(check_record(result), allow_nan=False)
+
+
+def test_a_part_that_is_no_number_makes_the_value_none():
+    steps = changed(even(rise=0.15), 3, rise_m=Measured(0.15, 0.001, (("noise", math.nan),)))
+    assert judged(inspection_of(steps), RISER).findings[2].verdict is Verdict.NOT_MEASURED
+
+
 def test_a_float_on_the_limit_is_inside():
     """0.1778 - 0.168275 is a hair more than 0.009525 in binary."""
     inch = rule("range", statistic="flight_range", minimum=None, maximum=Limit.of("3/8", "in"))
@@ -215,6 +285,26 @@ def test_too_many_risers_are_too_many_though_the_upper_end_was_not_seen():
     assert judged(inspection_of(steps), count).findings[0].verdict is Verdict.OUTSIDE
 
 
+def test_enough_risers_are_enough_though_the_upper_end_was_not_seen():
+    steps = [step(k) for k in range(1, 10)]
+    least = rule("least", quantity="n_risers", statistic="flight", minimum=Limit.of("2", "count"), maximum=None)
+    high = rule("high", quantity="flight_rise", statistic="flight", minimum=Limit.of("1", "m"), maximum=None)
+    assert verdicts(judged(inspection_of(steps), least, high)) == [((), Verdict.WITHIN), ((), Verdict.WITHIN)]
+    both = dataclasses.replace(least, maximum=Limit.of("18", "count"))
+    assert verdicts(judged(inspection_of(steps), both)) == [((), Verdict.NOT_MEASURED)]
+    assert verdicts(judged(inspection_of(steps[:1]), least)) == [((), Verdict.NOT_MEASURED)]
+
+
+def test_the_last_riser_is_said_to_be_in_no_sum_with_a_going():
+    sums = rule("sums", quantity="two_r_plus_g", minimum=None, maximum=Limit.of("700", "mm"))
+    result = judged(inspection_of(even(4)), sums)
+    assert [found.steps for found in result.findings] == [(1,), (2,), (3,)]
+    said = "the riser up to a landing has no going above it: it is in no sum of twice the rise and the going"
+    assert result.notes == (said,)
+    assert said not in judged(inspection_of(even(4)), RISER).notes
+    assert said not in judged(inspection_of([step(k) for k in range(1, 4)]), sums).notes
+
+
 def test_a_missing_tread_is_said_in_the_surveys_words():
     steps = changed(changed(even(), 4, rise_m=None), 3, going_m=None)
     note = ("tread_missing", "a tread is missing or not seen between step 3 and step 4", 4)
@@ -279,10 +369,43 @@ def test_a_rule_that_holds_nowhere_says_so():
 
 
 @pytest.mark.parametrize("going", [measured(0.2790, 0.001), measured(0.2798, 0.001), None])
-def test_where_the_condition_is_close_nothing_is_clearly_outside(going):
-    found = judged(inspection_of(changed(even(nosing_overhang=0.005), 2, going_m=going)), NOSING).of_step(2)[0]
-    assert found.verdict is Verdict.OUTSIDE_CLOSE
-    assert "whether the clause applies here is not certain" in found.reason
+def test_where_the_condition_is_close_nothing_is_outside(going):
+    result = judged(inspection_of(changed(even(nosing_overhang=0.005), 2, going_m=going)), NOSING)
+    found = result.of_step(2)[0]
+    assert found.verdict is Verdict.NOT_JUDGED
+    assert found.reason == (
+        "beyond the limit, but the clause applies only where the going is below 11 in (279.4 mm), and here the going "
+        "was not measured or is too near to tell"
+    )
+    assert not result.is_outside
+    # 14.05 mm beyond: no sentence may call that less than U.
+    assert "less than U" not in check_text(result)
+    assert "what was not judged is no pass either" in verdict_sentence(result)
+
+
+def test_where_the_condition_is_close_and_the_value_inside_it_is_within():
+    steps = changed(even(nosing_overhang=0.025), 2, going_m=measured(0.279, 0.001))
+    found = judged(inspection_of(steps), NOSING).of_step(2)[0]
+    assert found.verdict is Verdict.WITHIN
+    assert found.reason == "whether the clause applies here is not certain"
+
+
+def test_a_rule_that_does_not_apply_is_not_called_unjudged():
+    result = judged(inspection_of(even(nosing_overhang=0.005)), NOSING, RISER)
+    assert verdict_sentence(result) == "Nothing that was measured is outside a limit of my-set."
+    single = judged(inspection_of([step(1)], [flight_of([step(1)], n_risers=1)]), GOING_RANGE, RISER)
+    assert "what was not judged" not in verdict_sentence(single)
+
+
+def test_neighbours_between_which_the_clause_does_not_apply_are_no_pair():
+    adjacent = dataclasses.replace(NOSING, statistic="adjacent_difference", minimum=None)
+    goings = {1: 0.27, 2: 0.30, 3: 0.27, 4: 0.27, 5: 0.30}
+    steps = even()
+    for number, going in goings.items():
+        steps = changed(steps, number, going_m=measured(going, 0.0))
+    assert [found.steps for found in judged(inspection_of(steps), adjacent).findings] == [(3, 4)]
+    found = judged(inspection_of(changed(steps, 4, going_m=measured(0.30, 0.0))), adjacent).findings
+    assert [each.reason for each in found] == ["does not apply: no two neighbouring steps to which the clause applies"]
 
 
 def test_simple_acceptance_lets_the_value_decide_whether_a_rule_applies():
@@ -300,8 +423,8 @@ def test_simple_acceptance_lets_the_value_decide_whether_a_rule_applies():
         # Half the tolerance, of the difference of two values.
         (RANGE, 0.005 / 2**0.5 - 1e-6, True),
         (RANGE, 0.005 / 2**0.5 + 1e-6, False),
-        (ADJACENT, 0.0025 / 3**0.5 - 1e-6, True),
-        (ADJACENT, 0.0025 / 3**0.5 + 1e-6, False),
+        (ADJACENT, 0.0025 / 2.0 - 1e-6, True),
+        (ADJACENT, 0.0025 / 2.0 + 1e-6, False),
         # A twentieth of a size's only limit.
         (RISER, 0.0084, True),
         (RISER, 0.0086, False),
@@ -310,21 +433,48 @@ def test_simple_acceptance_lets_the_value_decide_whether_a_rule_applies():
 def test_a_scan_is_fit_when_u_is_at_most_half_the_tolerance(rule_of, u, is_fit):
     steps = even(u=u, rise=0.15)
     # The extremes are no neighbours.
-    steps = changed(changed(steps, 2, rise_m=measured(0.1499, u)), 4, rise_m=measured(0.1501, u))
-    fit = judged(inspection_of(steps), rule_of).fits[0]
+    steps = changed(changed(steps, 2, rise_m=measured(0.1475, u)), 4, rise_m=measured(0.1525, u))
+    fit = judged(inspection_of(steps, registration_m=0.0001), rule_of).fits[0]
     assert fit.is_fit is is_fit
     assert fit.words.startswith("fit: U up to " if is_fit else "not fit: U up to ")
     assert fit.tolerance == pytest.approx(0.017 if rule_of is RISER else rule_of.maximum.value)
 
 
 def test_half_a_millimetre_judges_neighbours_and_one_judges_a_flight():
-    """Tread heights good to about 0.5 mm (1 sigma) for 3/16 in between neighbours, 1 mm for 3/8 in over a flight."""
+    """Tread heights good to about 0.4 mm (1 sigma) for 3/16 in between neighbours, 0.8 mm for 3/8 in over a flight."""
     inch = [Limit.of(text, "in") for text in ("3/16", "3/8")]
     rules = [dataclasses.replace(ADJACENT, maximum=inch[0]), dataclasses.replace(RANGE, maximum=inch[1])]
-    for sigma, expected in ((0.00045, [True, True]), (0.0007, [False, True]), (0.0013, [False, False])):
+    for sigma, expected in ((0.0004, [True, True]), (0.0007, [False, True]), (0.001, [False, False])):
         steps = even(u=2.0 * 2**0.5 * sigma)
         steps = changed(steps, 4, rise_m=measured(0.1651, 2.0 * 2**0.5 * sigma))
-        assert [fit.is_fit for fit in judged(inspection_of(steps), *rules).fits] == expected
+        result = judged(inspection_of(steps, registration_m=0.0001), *rules)
+        assert [fit.is_fit for fit in result.fits] == expected
+        unstated = judged(inspection_of(steps), *rules)
+        # What is too coarse without registration stays so with it; what looks fine cannot be said.
+        assert [fit.is_fit for fit in unstated.fits] == [None if each else False for each in expected]
+        for fit, is_fit in zip(unstated.fits, expected, strict=True):
+            assert fit.words.startswith("cannot be said: U up to " if is_fit else "not fit: U up to ")
+            assert fit.words.endswith("registration from step to step is not stated")
+
+
+def test_the_registration_is_said_in_millimetres_and_of_lengths_alone():
+    slope = rule("slope", quantity="tread_slope", statistic="flight_range", minimum=None, maximum=Limit.of("2", "%"))
+    result = judged(inspection_of(even(u=0.0001), registration_m=0.0005), RANGE, slope)
+    assert result.fits[0].words.endswith("; registration from step to step is stated as 0.5 mm")
+    assert "registration" not in result.fits[1].words
+    assert judged(inspection_of(even(u=0.0001)), slope).fits[0].is_fit is True
+
+
+def test_every_rule_says_in_the_table_whether_the_scan_is_fit():
+    silent = dataclasses.replace(GOING_RANGE, severity="report_only")
+    lines = check_text(judged(inspection_of(even(u=0.0015)), RISER, RANGE, ADJACENT, silent)).splitlines()
+    head = next(number for number, line in enumerate(lines) if line.startswith("  rule  "))
+    start = lines[head].index("scan")
+    said = {line.split()[0]: line[start:].split("  ")[0] for line in lines[head + 1 : head + 5]}
+    assert said == {"riser": "fit", "range": "cannot be said", "adjacent": "not fit", "going-range": "-"}
+    why = lines[lines.index("  whether the scan is fit cannot be said for:") + 1]
+    assert why.startswith("    range: U up to ")
+    assert why.endswith("registration from step to step is not stated")
 
 
 def test_a_limit_at_what_is_intended_cannot_be_decided():
@@ -360,6 +510,9 @@ def test_whatever_was_measured_gets_a_verdict_and_a_text(data):
         for found in result.findings:
             assert (found.value is None) <= (found.verdict in SILENT)
             assert bool(found.reason) >= (found.verdict in SILENT)
+            if found.verdict is Verdict.OUTSIDE_CLOSE:
+                # What is called less than U is less than U.
+                assert -found.margin < found.u
         assert check_text(result)
         json.dumps(check_record(result), allow_nan=False)
 
@@ -390,6 +543,40 @@ def test_what_a_scan_shows_only_partly_is_said_with_the_check():
         note="The treads' width.",
     )
     assert judged(inspection_of(even()), width).notes == ("clear width: The treads' width.",)
+
+
+def test_a_tread_wide_enough_is_no_clear_width_and_one_too_narrow_is_outside():
+    width = rule("width", quantity="width", minimum=Limit.of("900", "mm"), maximum=None, from_scan="partly")
+    wide = judged(inspection_of(even(u=0.001)), width)
+    assert {found.verdict for found in wide.findings} == {Verdict.REPORTED}
+    assert wide.findings[0].reason == "the tread's width is inside the limit; the clear width was not seen"
+    assert not wide.is_judged
+    assert "1600.00 ± 1.00 mm (tread width)" in check_text(wide)
+    assert wide.fits[0].words.endswith("; the scan shows only a part of what the clause limits")
+    for width_m, verdict in ((0.8, Verdict.OUTSIDE), (0.8995, Verdict.OUTSIDE_CLOSE), (0.9005, Verdict.REPORTED)):
+        steps = changed(even(), 2, width_m=measured(width_m, 0.001))
+        assert judged(inspection_of(steps), width).of_step(2)[0].verdict is verdict
+    assert judged(inspection_of(even()), width, decision="simple").findings[0].verdict is Verdict.REPORTED
+
+
+def test_a_nosing_of_open_risers_is_not_found_within():
+    nosing = dataclasses.replace(NOSING, from_scan="partly", severity="advisory", applies="stairs with solid risers")
+    found = judged(inspection_of(even(going=0.26, nosing_overhang=0.025)), nosing).findings[0]
+    assert found.verdict is Verdict.REPORTED
+    assert found.reason == "inside the limit; applies to stairs with solid risers, which the scan does not tell"
+    short = judged(inspection_of(even(going=0.26, nosing_overhang=0.0)), nosing)
+    assert short.findings[0].verdict is Verdict.OUTSIDE
+    assert not short.is_outside
+
+
+def test_a_users_own_file_is_never_called_unedited():
+    assert "  edited by the user: user's own file, not a set that comes with the program" in check_text(
+        judged(inspection_of(even()), RISER)
+    )
+    shipped = check(inspection_of(even()), find_rule_set("us-irc-2024"))
+    assert "  edited by the user: no\n" in check_text(shipped)
+    changed_since = edited(rule_set(RISER), "riser", "maximum", Limit.of("190", "mm"), "an amendment")
+    assert "  user's own file, not a set" in check_text(check(inspection_of(even()), changed_since))
 
 
 def test_the_same_inspection_gives_the_same_text_and_no_forbidden_word():

@@ -1,5 +1,6 @@
 """Limits as written and their exact size; rule sets, edits and overlays."""
 
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -132,6 +133,12 @@ def rule_set(*rules, **values):
         ({"clause": " "}, "rule riser: clause: is empty; fill it in"),
         ({"term": "a\nb"}, "rule riser: term: holds a line break or a control character"),
         ({"note": "\x1b[31m"}, "rule riser: note: holds a line break or a control character"),
+        ({"note": "at most \u202e002\u202c mm"}, "rule riser: note: holds a line break or a control character"),
+        ({"quantity": "pitch", "statistic": "flight_range"}, "statistic: the 'flight_range' of pitch is not judged"),
+        (
+            {"quantity": "two_r_plus_g", "statistic": "adjacent_difference"},
+            "statistic: the 'adjacent_difference' of two_r_plus_g is not judged; limit rise and going",
+        ),
         ({"note": "x" * 3000}, "rule riser: note: give a text of at most 2000 characters"),
         ({"maximum": Limit.of("42", "deg")}, "rule riser: maximum: 42° is no limit of rise; its units are m, cm"),
         ({"minimum": Limit.of("8", "in")}, "minimum 8 in (203.2 mm) is above maximum 7 in (177.8 mm); exchange them"),
@@ -200,7 +207,20 @@ def test_an_overlay_adds_its_rules_and_is_named():
     both = overlaid(rule_set(not_assessed=("lighting", "grip")), overlay)
     assert [each.rule_id for each in both.rules] == ["riser", "adjacent"]
     assert both.not_assessed == ("lighting", "grip")
-    assert both.overlays == (f"Code, 2024 (my-set, SHA-256 {'ab' * 32})",)
+    own = "user's own file, not a set that comes with the program"
+    assert both.overlays == (f"Code, 2024 (my-set, SHA-256 {'ab' * 32}), {own}",)
+
+
+def test_an_overlay_of_another_country_says_so():
+    overlay = replace(rule_set(rule("adjacent"), is_overlay=True, is_shipped=True), set_id="us-nfpa")
+    korea, us = (replace(rule_set(is_shipped=True), set_id=set_id) for set_id in ("kr-15-other", "us-irc-2024"))
+    assert (
+        overlaid(korea, overlay)
+        .overlays[0]
+        .endswith(": made for sets us-..., not for kr-15-other; take it as advice of another country")
+    )
+    assert overlaid(us, overlay).overlays == ("Code, 2024 (us-nfpa)",)
+    assert "another country" not in overlaid(rule_set(), overlay).overlays[0]
 
 
 def test_a_full_set_is_no_overlay():

@@ -79,11 +79,7 @@ def test_an_own_files_hash_is_that_of_its_bytes(tmp_path, mark):
     data = (mark + "# Größe\r\n" + OWN).encode()
     path = tmp_path / "mine.toml"
     path.write_bytes(data)
-    if mark:
-        with pytest.raises(ConfigError, match="not valid TOML"):
-            RuleFile.of("mine.toml", data)
-    else:
-        assert RuleFile.of("mine.toml", data).rule_set.sha256 == find_rule_set(str(path)).sha256
+    assert RuleFile.of("mine.toml", data).rule_set.sha256 == find_rule_set(str(path)).sha256
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Rule files: what is read, what is refused with which sentence, and what cannot break the reader."""
 
 import hashlib
+import time
 import tomllib
 
 import pytest
@@ -18,6 +19,7 @@ from stair_inspector.files.rule_sets import (
     read_rule_set,
     rule_set_path,
 )
+from stair_inspector.params import brief
 
 RULE = """
 [[rules]]
@@ -180,7 +182,11 @@ def test_a_broken_file_is_told_in_one_sentence(old, new, message):
     [
         (b"\xff\xfe\x00", "mine.toml: is not a text file; give a TOML file"),
         (b"\x00" * 10, "mine.toml: is not valid TOML"),
-        (b"# " + b"x" * 1_000_001, "mine.toml: larger than 1 MB"),
+        (b"# " + b"x" * 300_001, "mine.toml: larger than 300 kB, which no rule file is"),
+        (b"[rules]\n" + b"a." * 5000 + b"a = 1", "mine.toml: line 2: a key of more than 50 parts; give a shorter one"),
+        (b"a." * 100_000 + b"a = 1", "mine.toml: line 1: a key of more than 50 parts"),
+        (b'"\\"" . ' * 60 + b"a = 1", "mine.toml: line 1: a key of more than 50 parts"),
+        (b"rules = " + b"[" * 300 + b"]" * 300, "mine.toml: "),
         (b"", "mine.toml: id is missing; add it"),
         ("name = 'ü'".encode("latin-1"), "mine.toml: is not a text file"),
     ],
@@ -188,6 +194,54 @@ def test_a_broken_file_is_told_in_one_sentence(old, new, message):
 def test_what_is_no_rule_file(data, message):
     with pytest.raises(ConfigError, match=message):
         parse_rule_set(data, "mine.toml")
+
+
+@pytest.mark.parametrize(
+    "data",
+    [b"a." * 140_000 + b"a = 1", b'"\\"' * 70_000, b"'." * 140_000, b'"' * 290_000, b"a" * 290_000, b"a . " * 70_000],
+    ids=["dotted", "escaped quotes", "open quotes", "quotes", "one word", "spaces"],
+)
+def test_a_file_made_to_be_slow_is_refused_soon(data):
+    start = time.perf_counter()
+    with pytest.raises(ConfigError):
+        parse_rule_set(data, "mine.toml")
+    assert time.perf_counter() - start < 3.0
+
+
+def test_a_mark_of_the_byte_order_is_no_part_of_the_text():
+    data = b"\xef\xbb\xbf" + TEXT.encode()
+    assert parse_rule_set(data, "mine.toml").rules == parse(TEXT).rules
+    assert parse_rule_set(data, "mine.toml").sha256 == hashlib.sha256(data).hexdigest()
+
+
+@pytest.mark.parametrize("name", ["a\x1b[2Jb.toml", "a\u202elmot.toml", "a\nb.toml"])
+def test_the_name_of_a_file_is_no_way_to_the_terminal(name, tmp_path):
+    for read in (lambda: parse_rule_set(TEXT.encode(), name), lambda: find_rule_set(str(tmp_path / name))):
+        with pytest.raises(ConfigError, match="its name holds a control character; rename the file") as caught:
+            read()
+        assert str(caught.value).isprintable()
+
+
+def test_a_changed_copy_does_not_pass_for_the_set_that_it_was():
+    data = (static_configs() / "codes" / "us-irc-2024.toml").read_bytes()
+    assert parse_rule_set(data, "mine.toml").is_shipped
+    other = data.replace(b'"7 3/4 in"', b'"9 in"')
+    with pytest.raises(ConfigError) as caught:
+        parse_rule_set(other, "mine.toml")
+    assert str(caught.value) == (
+        "mine.toml: the id 'us-irc-2024' is that of a set that comes with the program; give the file another id"
+    )
+    renamed = parse_rule_set(other.replace(b'"us-irc-2024"', b'"my-town"'), "mine.toml")
+    assert not renamed.is_shipped
+    assert renamed.edited_words.startswith("user's own file, not a set that comes with the program")
+    assert all(each.is_shipped and each.edited_words == "no" for each in list_rule_sets())
+
+
+def test_a_value_nested_deeper_than_python_shows_is_told_all_the_same():
+    nested: object = 1
+    for _ in range(5000):
+        nested = {"a": nested}
+    assert brief(nested) == "a dict nested too deeply to be shown"
 
 
 def test_too_many_rules():
