@@ -2,8 +2,10 @@
 
 from collections.abc import Iterable
 
+from stair_inspector.codes.findings import Finding, Verdict
 from stair_inspector.model import Measured, Statistics
-from stair_inspector.report.document import Column
+from stair_inspector.report.document import Cell, Column, Number
+from stair_inspector.report.units import u_text
 
 QUANTITY_WORDS: dict[str, str] = {
     "rise": "rise",
@@ -43,6 +45,24 @@ def lengths(measured: Measured | None) -> tuple[float | None, float | None]:
 def angles(measured: Measured | None) -> tuple[float | None, float | None]:
     """Return an angle and its uncertainty in degrees."""
     return (None, None) if measured is None else (measured.value, measured.u)
+
+
+def places_of(u: float | None, digits: int) -> int:
+    """Return the decimals of a value: those with which its uncertainty is shown, ``digits`` where it has none."""
+    return len(u_text(u).partition(".")[2]) if u else digits
+
+
+def rounded(pair: tuple[float | None, float | None], digits: int) -> tuple[Cell, Cell]:
+    """Return the cells of a value and its uncertainty, the value to be rounded where its uncertainty is."""
+    value, u = pair
+    return (None if value is None else Number(value, places_of(u, digits))), u
+
+
+def outside_counts(findings: Iterable[Finding]) -> str:
+    """Return how many findings are outside their limit, and by how much: ``2 outside, 6 outside by less than U``."""
+    verdicts = [found.verdict for found in findings]
+    words = ((Verdict.OUTSIDE, "outside"), (Verdict.OUTSIDE_CLOSE, "outside by less than U"))
+    return ", ".join(f"{n} {said}" for verdict, said in words if (n := verdicts.count(verdict)))
 
 
 def pair(found: Statistics | None) -> str | None:

@@ -107,7 +107,7 @@ def build(
         paper=basis.paper,
         front=tuple(_front(inspection, check, pictures)),
         sections=tuple(
-            Section(number, title, tuple(blocks), starts_page=number in ("1", "A") or title == _SIGN_OFF)
+            Section(number, title, tuple(blocks), starts_page=number in ("1", "A"))
             for number, title, blocks in (*numbered, *lettered)
         ),
     )
@@ -274,15 +274,17 @@ def _check(inspection: Inspection, check: Check | None) -> list[Block]:
         ("Source", plain(rules.source)),
         ("Rule file", plain(rules.file) or EMPTY),
         ("SHA-256 of the file", plain(rules.sha256) or EMPTY),
-        ("Edited by the user", "yes" if rules.is_edited else "no"),
+        ("Edited by the user", rules.edited_words),
         ("Overlays", "; ".join(plain(words) for words in rules.overlays) or "none"),
     )
     blocks: list[Block] = [Facts("rule_set", "Rule set", items, columns=1), Paragraph(_decision_words(check))]
     if rules.is_edited:
         blocks.append(rule_tables.edits_table(check))
-    if inspection.steps:
+    if inspection.flights:
         blocks.append(rule_tables.by_step_table(inspection, check))
-    blocks += [rule_tables.findings_table(check), rule_tables.fits_table(check)]
+    blocks.append(rule_tables.findings_table(check))
+    if inspection.flights:
+        blocks.append(rule_tables.fits_table(check))
     if check.notes:
         blocks.append(Bullets(tuple(plain(note) for note in check.notes)))
     return blocks

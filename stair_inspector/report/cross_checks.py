@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 
+from stair_inspector.codes.quantities import combined, part_of
 from stair_inspector.model import Inspection, Measured
 from stair_inspector.report.cells import QUANTITY_WORDS, lengths, mm, with_u
 from stair_inspector.report.document import Cell, Column, Number, Status, Table, Tone, plain
@@ -19,6 +20,7 @@ def closure_table(inspection: Inspection) -> Table:
         *with_u("Sum of rises", "mm", 1),
         Column("Plane to plane", "mm", 1),
         Column("Difference", "mm", 2),
+        Column("U of the difference", "mm", 2),
         Column("Result", width=2.0),
     )
     rows: list[tuple[Cell, ...]] = []
@@ -27,17 +29,19 @@ def closure_table(inspection: Inspection) -> Table:
         rises, planes = flight_rise(inspection, flight), plane_to_plane(inspection, flight)
         if rises is None or planes is None:
             why = "a rise was not measured" if rises is None else "the surface at its foot was not seen as a plane"
-            rows.append((flight.flight_id, *lengths(rises), mm(planes), None, Status(f"not possible: {why}", "plain")))
+            rows.append(
+                (flight.flight_id, *lengths(rises), mm(planes), None, None, Status(f"not possible: {why}", "plain"))
+            )
             continue
-        difference_m = rises.value - planes
-        is_closed = abs(difference_m) <= rises.u
+        difference = _of_the_ends(rises.value - planes, rises)
+        is_closed = abs(difference.value) <= difference.u
         words = "closes within U" if is_closed else "differs by more than U"
         rows.append(
             (
                 flight.flight_id,
                 *lengths(rises),
                 mm(planes),
-                mm(difference_m),
+                *lengths(difference),
                 Status(words, "good" if is_closed else "close"),
             )
         )
@@ -46,7 +50,9 @@ def closure_table(inspection: Inspection) -> Table:
     note = (
         "The sum of the rises, taken at the nosings on the centre line, against the height between the plane fitted to "
         "all points of the surface at the foot and that fitted to all points of the topmost step, at the same places. "
-        "A nosing strip that stands proud, or a worn or bowed surface, shows as a difference."
+        "The nosings in between cancel: the check tells of the two end surfaces only. So do the vertical and the scale: "
+        "U of the difference is made of noise, edge and registration. A nosing strip that stands proud, a worn or "
+        "bowed surface, or parts of a surface that stations saw at different heights, show as a difference."
     )
     return Table(
         "closure",
@@ -57,6 +63,16 @@ def closure_table(inspection: Inspection) -> Table:
         "Nothing to close: no flight was measured.",
         tuple(tones),
     )
+
+
+def _of_the_ends(value_m: float, rises: Measured) -> Measured:
+    """Return a difference of two heights between the same places, with what of the rises' uncertainty is left in it.
+
+    Both heights have the same vertical and scale. The points at the nosings are not all of the surface's, and may have
+    been seen from other stations: noise, edge and registration stay.
+    """
+    parts = {name: part_of(rises, name) for name in ("noise", "edge", "registration")}
+    return combined(value_m, parts)
 
 
 def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
@@ -80,7 +96,7 @@ def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
         scanned = scanned_value(inspection, reading)
         difference = None if scanned is None else reading.value - scanned.value
         result = _agreement(reading, scanned)
-        if result.tone in ("bad", "close"):
+        if result.tone == "bad":
             tones.append((len(rows), result.tone))
         rows.append(
             (
@@ -98,8 +114,10 @@ def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
         )
     note = (
         "Difference: by hand less scan. The two agree when they differ by no more than the root of the sum of the "
-        "squares of both U; where none is stated for the reading, by no more than the scan's."
+        "squares of both U; where none is stated for the reading, whether they agree is not judged."
     )
+    if any(reading.line != "centre" for reading in basis.readings):
+        note += " For the left and right lines no U is worked out: that of the centre line stands there."
     return Table(
         "readings",
         "Readings by hand",
@@ -133,7 +151,7 @@ def scanned_value(inspection: Inspection, reading: TapeReading) -> Measured | No
         return value
     on_lines: tuple[float | None, ...] | None = getattr(step, f"{reading.quantity}_lcr_{reading.unit}")
     there = None if on_lines is None else on_lines[_LINES.index(reading.line)]
-    # The uncertainty on the outer lines is nearly that of the centre.
+    # No uncertainty is worked out on the outer lines; the note under the table says whose it is.
     return None if there is None else Measured(there, value.u)
 
 
@@ -146,7 +164,8 @@ def _place_of(reading: TapeReading) -> str:
 def _agreement(reading: TapeReading, scanned: Measured | None) -> Status:
     if scanned is None:
         return Status("not in the scan", "plain")
-    allowed = math.hypot(scanned.u, reading.u or 0.0)
-    if abs(reading.value - scanned.value) <= allowed:
+    if reading.u is None:
+        return Status("U of the reading not stated", "plain")
+    if abs(reading.value - scanned.value) <= math.hypot(scanned.u, reading.u):
         return Status("agrees", "good")
-    return Status("differs by more than U", "bad" if reading.u is not None else "close")
+    return Status("differs by more than U", "bad")

@@ -6,6 +6,7 @@ All of it is text, readings and pictures that the user gives; what is left empty
 import base64
 import binascii
 import dataclasses
+import datetime
 import io
 import math
 import unicodedata
@@ -47,6 +48,8 @@ STEP_QUANTITIES: dict[str, str] = {
 """What can be read off one step by hand, and the unit that its value is kept in."""
 FLIGHT_QUANTITIES: dict[str, str] = {"flight_rise": "m", "flight_run": "m", "pitch": "deg", "width": "m"}
 """What can be read off a whole flight by hand."""
+_MAY_BE_NEGATIVE = ("fall", "cross_fall", "nosing_overhang")
+"""Quantities with a direction; a length or a pitch below zero is a slip of the pen."""
 _ON_A_LINE = ("rise", "going")
 """Quantities that are measured on three lines."""
 _LONGEST_READING = {"m": 100.0, "deg": 90.0}
@@ -218,7 +221,9 @@ class TapeReading:
                 f"{place}: line: only {' and '.join(_ON_A_LINE)} are measured on three lines; leave it out"
             )
         unit = known[self.quantity]
-        object.__setattr__(self, "value", _check_number(self.value, f"{place}: value", unit, may_be_negative=True))
+        has_sign = self.quantity in _MAY_BE_NEGATIVE
+        value = _check_number(self.value, f"{place}: value", unit, may_be_negative=has_sign)
+        object.__setattr__(self, "value", value)
         if self.u is not None:
             object.__setattr__(self, "u", _check_number(self.u, f"{place}: u", unit))
         for name in ("instrument", "note"):
@@ -263,13 +268,15 @@ class ReportBasis:
 
 
 def check_text(value: object, name: str) -> str:
-    """Return a user's text without blanks at its ends.
+    """Return a user's text without blanks at its ends; a date or time, as TOML knows them, is written as in ISO 8601.
 
     Raises
     ------
     ConfigError
         No text, longer than :data:`LONGEST_TEXT`, or with control characters or half letters.
     """
+    if isinstance(value, (datetime.date, datetime.time)):
+        value = value.isoformat()
     if not isinstance(value, str):
         raise ConfigError(f"{name}: got {brief(value)}; give a text in quotes")
     text = value.replace("\r\n", "\n").replace("\r", "\n").replace("\t", " ").strip()

@@ -4,6 +4,7 @@ from stair_inspector.codes.quantities import COMMON_PARTS, OWN_PARTS, part_of
 from stair_inspector.model import SURVEY_VALUES, Inspection, Measured
 from stair_inspector.report.cells import QUANTITY_WORDS, mm
 from stair_inspector.report.document import Column, Table, plain
+from stair_inspector.report.note_words import note_words
 
 _PARTS = (*OWN_PARTS, *COMMON_PARTS)
 
@@ -68,5 +69,5 @@ def surfaces_table(inspection: Inspection) -> Table:
 def notes_table(inspection: Inspection) -> Table:
     """Return the notes of the measurement, numbered."""
     columns = (Column("Note"), Column("Step", digits=0), Column("What the measurement says", width=8.0))
-    rows = tuple((f"N{number}", note.step, plain(note.message)) for number, note in enumerate(inspection.notes, 1))
+    rows = tuple((f"N{number}", note.step, note_words(note.message)) for number, note in enumerate(inspection.notes, 1))
     return Table("notes", "Notes of the measurement", columns, rows, empty="The measurement left no note.")

@@ -41,6 +41,10 @@ _EM_PER_LETTER = 0.51
 _CELL_EM = 0.8
 _U_EM = 0.9
 """Width of a figure or small letter in Source Sans 3, of a cell's inset, and of the sign before an uncertainty, em."""
+_TITLE_WIDTH = 70
+"""Letters of the title on the first page: two lines. The section on the report's identity has the whole."""
+_RUNNING_WIDTHS = (45, 25, 30)
+"""Letters of title, stair and firm at the head of the other pages: together one line."""
 _WHOLE_ROWS = 14
 """A table of so few rows is not broken over two pages."""
 _NARROWEST_TEXT_EM, _WANTED_TEXT_EM = 7.0, 13.0
@@ -163,7 +167,12 @@ def _to_data(document: Document) -> dict[str, Any]:
         "title": document.title,
         "firm": document.firm,
         "logo": None if document.logo is None else "logo.png",
-        "running": stair,
+        "shown-title": _clipped(document.title, _TITLE_WIDTH),
+        "running": {
+            "title": _clipped(document.title, _RUNNING_WIDTHS[0]),
+            "stair": _clipped(stair, _RUNNING_WIDTHS[1]),
+            "firm": _clipped(document.firm, _RUNNING_WIDTHS[2]),
+        },
         "footer": " · ".join(part for part in (document.reference, date) if part),
         "made": {
             "year": made.year,
@@ -182,11 +191,23 @@ def _to_data(document: Document) -> dict[str, Any]:
                 "title": section.title,
                 "level": section.level,
                 "starts_page": section.starts_page,
+                "is_whole": any(isinstance(block, Signatures) for block in section.blocks),
                 "blocks": _blocks(section.blocks, document, section.title),
             }
             for section in document.sections
         ],
     }
+
+
+def _clipped(text: str, most: int) -> str:
+    """Return a text in one line, with three dots where it is wider than so many letters; Korean counts twice."""
+    shown, width = "", 0
+    for letter in " ".join(text.split()):
+        width += 2 if unicodedata.east_asian_width(letter) in "WF" else 1
+        if width > most:
+            return f"{shown.rstrip()}…"
+        shown += letter
+    return shown
 
 
 def _blocks(blocks: tuple[Block, ...], document: Document, section_title: str = "") -> list[dict[str, Any]]:

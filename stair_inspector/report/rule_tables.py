@@ -1,12 +1,15 @@
 """The tables of a check: what each clause limits, what was found, and whether the scan is good enough to say so."""
 
+from collections.abc import Sequence
+
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
 from stair_inspector.codes.rules import GRADES, Limit, Rule
 from stair_inspector.codes.words import display_of
 from stair_inspector.model import Inspection
-from stair_inspector.report.cells import numbers_of
+from stair_inspector.report.cells import numbers_of, outside_counts, places_of
 from stair_inspector.report.document import Cell, Column, Number, Status, Table, Tone, plain
 from stair_inspector.report.fields import Checklist
+from stair_inspector.report.note_words import note_words
 
 _MAPPED = {"going": "going", "tread_depth": "tread depth", "width": "tread width"}
 """Quantities whose name in a code is not ours, or is that of another of ours: a US tread depth is our going."""
@@ -39,6 +42,25 @@ def scaled(rule: Rule, value: float | None, *, is_u: bool = False) -> Cell:
     scale, _, digits = display_of(rule.quantity)
     number = round(value * scale, 6)
     return number if is_u else Number(number, digits)
+
+
+def measured_cell(rule: Rule, value: float | None, u: float | None) -> Cell:
+    """Return a measured value in the unit in which it is shown, rounded where its uncertainty is."""
+    if value is None:
+        return None
+    scale, _, digits = display_of(rule.quantity)
+    return Number(round(value * scale, 6), places_of(None if u is None else u * scale, digits))
+
+
+def margin_cell(rule: Rule, margin: float | None) -> Cell:
+    """Return a distance to a limit; one that would be rounded to nothing has as many decimals as show it."""
+    if margin is None:
+        return None
+    scale, _, digits = display_of(rule.quantity)
+    number = round(margin * scale, 6)
+    while number and not round(number, digits):
+        digits += 1
+    return Number(number, digits)
 
 
 def unit_of(rule: Rule) -> str:
@@ -77,9 +99,9 @@ def results_table(check: Check) -> Table:
                     limited_words(rule),
                     plain(rule.limit_text),
                     flight,
-                    scaled(rule, worst.value),
+                    measured_cell(rule, worst.value, worst.u),
                     scaled(rule, worst.u, is_u=True),
-                    scaled(rule, worst.margin),
+                    margin_cell(rule, worst.margin),
                     unit_of(rule),
                     numbers_of(worst.steps) if len(here) > 1 or len(worst.steps) > 1 else "",
                     _counted(here),
@@ -108,6 +130,9 @@ def findings_table(check: Check) -> Table:
         Column("Reason", width=2.8),
     )
     told = [found for found in check.findings if found.verdict in _TELLING]
+    shared = _shared_reason(check, told)
+    if shared:
+        told = []
     rows: list[tuple[Cell, ...]] = []
     tones: list[tuple[int, Tone]] = []
     for found in told:
@@ -120,9 +145,9 @@ def findings_table(check: Check) -> Table:
                 limited_words(found.rule),
                 found.flight,
                 numbers_of(found.steps),
-                scaled(found.rule, found.value),
+                measured_cell(found.rule, found.value, found.u),
                 scaled(found.rule, found.u, is_u=True),
-                scaled(found.rule, found.margin),
+                margin_cell(found.rule, found.margin),
                 unit_of(found.rule),
                 status_of(found.verdict),
                 plain(found.reason),
@@ -133,9 +158,18 @@ def findings_table(check: Check) -> Table:
         "Findings that are not plainly within",
         columns,
         tuple(rows),
-        empty="Every value that was held against a limit is within it by more than its uncertainty.",
+        empty=shared or "Every value that was held against a limit is within it by more than its uncertainty.",
         tones=tuple(tones),
     )
+
+
+def _shared_reason(check: Check, told: Sequence[Finding]) -> str:
+    """Return the one sentence that says why nothing could be judged; empty where there is more than one reason."""
+    reasons = {found.reason for found in told}
+    if check.is_judged or len(told) < 2 or len(reasons) > 1:
+        return ""
+    (reason,) = reasons
+    return f"None of the {len(told)} rules and flights could be judged: {note_words(reason)}." if reason else ""
 
 
 def by_step_table(inspection: Inspection, check: Check) -> Table:
@@ -184,7 +218,7 @@ def fits_table(check: Check) -> Table:
         rule = rules[fit.rule_id]
         if fit.is_fit is False:
             tones.append((len(rows), "close"))
-        state = Status("nothing to say", "plain") if fit.is_fit is None else _FIT[fit.is_fit]
+        state = _FIT.get(fit.short, Status("nothing to say", "plain"))
         rows.append(
             (
                 plain(rule.clause),
@@ -247,6 +281,8 @@ def _counted(findings: tuple[Finding, ...]) -> str:
     if len(findings) == 1:
         return "1"
     worst = gravest(findings).verdict
+    if worst.is_outside:
+        return f"{len(findings)}: {outside_counts(findings)}"
     same = sum(found.verdict is worst for found in findings)
     return f"{len(findings)}, of which {same} {worst.words}" if same < len(findings) else f"{len(findings)}, all so"
 
@@ -255,4 +291,8 @@ def _limit_words(limit: Limit | None) -> str:
     return "none" if limit is None else plain(limit.text)
 
 
-_FIT = {True: Status("fit", "good"), False: Status("not fit", "close")}
+_FIT = {
+    "fit": Status("fit", "good"),
+    "not fit": Status("not fit", "close"),
+    "cannot be said": Status("cannot be said", "plain"),
+}

@@ -5,7 +5,7 @@ import statistics
 from stair_inspector.codes.findings import Check, Verdict
 from stair_inspector.codes.quantities import step_value
 from stair_inspector.model import Inspection, Statistics, Step
-from stair_inspector.report.cells import QUANTITY_WORDS, angles, lengths, mm, pair, with_u
+from stair_inspector.report.cells import QUANTITY_WORDS, angles, lengths, mm, pair, rounded, with_u
 from stair_inspector.report.document import Cell, Column, Table, Tone
 from stair_inspector.report.values import diagonal_m, flight_rise, flight_run, steps_of
 
@@ -29,6 +29,9 @@ def flights_table(inspection: Inspection) -> Table:
         Column("Range of rise", "mm", 1),
         Column("Largest change of rise", "mm", 1),
         Column("Between steps"),
+        Column("Range of going", "mm", 1),
+        Column("Largest change of going", "mm", 1),
+        Column("Between these steps"),
     )
     rows: list[tuple[Cell, ...]] = []
     for flight in inspection.flights:
@@ -37,15 +40,18 @@ def flights_table(inspection: Inspection) -> Table:
                 flight.flight_id,
                 flight.shape,
                 flight.n_risers,
-                *lengths(flight_rise(inspection, flight)),
-                *lengths(flight_run(inspection, flight)),
+                *rounded(lengths(flight_rise(inspection, flight)), 1),
+                *rounded(lengths(flight_run(inspection, flight)), 1),
                 None if flight.rise is None else mm(flight.rise.mean),
                 None if flight.going is None else mm(flight.going.mean),
-                *angles(flight.pitch_deg),
-                *lengths(flight.width_m),
+                *rounded(angles(flight.pitch_deg), 2),
+                *rounded(lengths(flight.width_m), 1),
                 None if flight.rise is None else mm(flight.rise.range),
                 None if flight.rise is None else mm(flight.rise.max_adjacent),
                 pair(flight.rise),
+                None if flight.going is None else mm(flight.going.range),
+                None if flight.going is None else mm(flight.going.max_adjacent),
+                pair(flight.going),
             )
         )
     return Table("flights", "Flights", columns, tuple(rows), empty="No flight was found.")
@@ -69,9 +75,9 @@ def steps_table(inspection: Inspection, check: Check | None) -> Table:
     rows = []
     for step in inspection.steps:
         found = (step.rise_m, step.going_m, step.tread_depth_m, step.nosing_overhang_m, step.width_m)
-        cells = [cell for length in (*found, step_value(step, "two_r_plus_g")) for cell in lengths(length)]
-        diagonal = lengths(diagonal_m(step, above.get(step)))
-        rows.append((step.step_id, step.flight, *cells, *angles(step.pitch_deg), *diagonal))
+        cells = [cell for length in (*found, step_value(step, "two_r_plus_g")) for cell in rounded(lengths(length), 1)]
+        diagonal = rounded(lengths(diagonal_m(step, above.get(step))), 1)
+        rows.append((step.step_id, step.flight, *cells, *rounded(angles(step.pitch_deg), 2), *diagonal))
     note = (
         "± is the expanded uncertainty U (k = 2). Rise: to this step's nosing. Going: from this nosing to the next. "
         "Width: of the tread, not the clear width between handrails. Diagonal: from this nosing to the next. "
@@ -102,8 +108,8 @@ def evidence_table(inspection: Inspection, check: Check | None) -> Table:
             (
                 step.step_id,
                 step.kind,
-                *angles(step.fall_deg),
-                *angles(step.cross_fall_deg),
+                *rounded(angles(step.fall_deg), 2),
+                *rounded(angles(step.cross_fall_deg), 2),
                 *(mm(value) for value in step.rise_lcr_m or (None,) * 3),
                 *(mm(value) for value in step.going_lcr_m or (None,) * 3),
                 step.plane.n_points,

@@ -1,18 +1,23 @@
 """The sentences of a report. It says within or outside the limit of a clause; it never passes a legal judgement."""
 
 import math
+from collections.abc import Sequence
 
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
-from stair_inspector.codes.text import verdict_sentence
+from stair_inspector.codes.text import gap_text, verdict_sentence
 from stair_inspector.codes.words import display_of
-from stair_inspector.model import Inspection, Measured
-from stair_inspector.report.cells import numbers_of
+from stair_inspector.model import Inspection
+from stair_inspector.params import UncertaintyParams
+from stair_inspector.report.cells import numbers_of, outside_counts, places_of
 from stair_inspector.report.document import Status, plain
+from stair_inspector.report.note_words import note_sentence, note_words
 from stair_inspector.report.units import tidy, u_text
 
 _LOA = ((0.001, "LOA50 (0 to 1 mm)"), (0.005, "LOA40 (1 to 5 mm)"), (0.015, "LOA30 (5 to 15 mm)"))
 _LOA_COARSEST = (0.050, "LOA20 (15 to 50 mm)")
 """Levels of accuracy by the uncertainty at 95 %, as secondary sources quote the USIBD's specification."""
+_ABOUT_UP = ("up_disagree", "treads_lean", "up_not_z", "floor_above_scan", "floor_not_largest")
+"""Codes of the notes that put the vertical in doubt."""
 
 DEFINITIONS = (
     "Rise: vertical, from the nosing below (or the floor or landing before the lowest riser) to this step's nosing.",
@@ -23,14 +28,6 @@ DEFINITIONS = (
     "Pitch: angle of the line from this nosing to the next; of a flight, of the line fitted to all its nosings.",
     "2R + G: twice the rise to a step and its going.",
 )
-
-
-def measured_words(measured: Measured, unit: str, digits: int = 1) -> str:
-    """Return a value with its uncertainty: ``170.1 ± 0.4 mm``; metres and degrees in."""
-    scale = 1000.0 if unit == "mm" else 1.0
-    gap = "" if unit == "°" else " "
-    value = f"{tidy(measured.value * scale, digits):.{digits}f}"
-    return f"{value} ± {u_text(measured.u * scale)}{gap}{unit}"
 
 
 def verdict_of(check: Check) -> Status:
@@ -44,8 +41,7 @@ def verdict_of(check: Check) -> Status:
     if not check.is_judged:
         return Status("nothing could be judged", "plain")
     # A rule that does not apply to a step leaves nothing open.
-    is_open = any(found.verdict is Verdict.NOT_JUDGED and found.rule.only_where is None for found in judged)
-    if Verdict.NOT_MEASURED in verdicts or is_open:
+    if any(found.is_open for found in judged):
         return Status("what was measured is within; not all was", "close")
     return Status("measured values within limits", "good")
 
@@ -55,37 +51,38 @@ def result_sentence(inspection: Inspection, check: Check | None) -> str:
     stair = _stair_words(inspection)
     if not inspection.steps:
         reason = next((note.message for note in inspection.notes if note.code == "no_staircase"), "no staircase found")
-        return f"{plain(reason[:1].upper() + reason[1:])}."
+        return note_sentence(reason)
     if check is None:
         return f"{stair} This report states measurements; no rule set was applied."
     return f"{stair} {plain(verdict_sentence(check))}"
 
 
 def outside_sentences(check: Check) -> tuple[str, ...]:
-    """Return one sentence for every rule and flight with a value outside its limit, the furthest beyond."""
+    """Return one sentence for every rule and flight with a value outside its limit: the gravest."""
     sentences = []
     for rule in check.rule_set.rules:
         outside = [found for found in check.of_rule(rule.rule_id) if found.verdict.is_outside]
         for flight in dict.fromkeys(found.flight for found in outside):
             here = tuple(found for found in outside if found.flight == flight)
-            sentences.append(_outside_sentence(check, gravest(here), len(here)))
+            sentences.append(_outside_sentence(check, gravest(here), here))
     return tuple(sentences)
 
 
-def _outside_sentence(check: Check, found: Finding, n: int) -> str:
+def _outside_sentence(check: Check, found: Finding, alike: Sequence[Finding]) -> str:
     rule = found.rule
     scale, unit, digits = display_of(rule.quantity)
     gap = "" if unit in ("", "°") else " "
-    value = f"{tidy((found.value or 0.0) * scale, digits):.{digits}f}"
+    places = places_of(None if found.u is None else found.u * scale, digits)
+    value = f"{tidy((found.value or 0.0) * scale, places):.{places}f}"
     u = "" if not found.u else f" ± {u_text(found.u * scale)}"
-    beyond = f"{tidy(abs(found.margin or 0.0) * scale, digits):.{digits}f}{gap}{unit}"
+    beyond = gap_text(rule, abs(found.margin or 0.0))
     place = f"flight {found.flight}" if found.flight is not None else "the stair"
     steps = ""
     if found.steps:
         steps = f", {'step' if len(found.steps) == 1 else 'steps'} {numbers_of(found.steps)}"
     limit = plain(found.limit.text) if found.limit is not None else "no number"
     close = ", by less than U" if found.verdict is Verdict.OUTSIDE_CLOSE else ""
-    more = f"; {n} findings of this rule are outside, this is the furthest" if n > 1 else ""
+    more = f"; of this rule {outside_counts(alike)}, this is the gravest" if len(alike) > 1 else ""
     kind = "advisory limit" if rule.severity == "advisory" else "limit"
     return (
         f"{place[:1].upper()}{place[1:]}{steps}: {plain(rule.term)} is {value}{u}{gap}{unit}, outside the {kind} "
@@ -101,16 +98,23 @@ def _edition_words(check: Check) -> str:
 
 def uncertainty_sentences(inspection: Inspection) -> tuple[str, ...]:
     """Return the statement on accuracy and uncertainty, in words."""
+    if not inspection.flights:
+        return _sentences_without_u(inspection)
     sentences = [
-        "Every value is stated with its expanded uncertainty U: the standard uncertainty, combined from its parts in "
-        "quadrature and multiplied by the coverage factor k = 2, which corresponds to a level of confidence of about "
-        "95 %. It is evaluated as the Guide to the Expression of Uncertainty in Measurement (JCGM 100) says.",
+        "Values marked ± are stated with their expanded uncertainty U: the standard uncertainty, combined from its "
+        "parts in quadrature and multiplied by the coverage factor k = 2, which corresponds to a level of confidence "
+        "of about 95 %. It is evaluated as the Guide to the Expression of Uncertainty in Measurement (JCGM 100) says. "
+        "Means, ranges, values on the single lines, residuals and heights of surfaces are given without one.",
         "The parts are: noise, from the scatter of the points about each plane and edge, counted in blocks so that "
-        "points that err together count once (type A); edge, what the definition of a nosing or back edge leaves open; "
-        "up, the direction of the vertical; registration, from one step to the next; scale (type B where the user "
-        "states them).",
-        _stated_sentence(inspection),
+        "points that err together count once (type A), with an allowance built into the program for the height and "
+        "the slope of a surface, a share of the noise of single points (type B); edge, what the definition of a nosing "
+        "or back edge leaves open: an allowance built into the program, from the spacing and the noise of the points, "
+        "or half the interval in which a hidden back edge lies, and what the user states (type B); up, the direction "
+        "of the vertical: the scatter of the surface from which it was taken (type A) and what the user states (type "
+        "B); registration, from one step to the next, and scale: what the user states (type B).",
+        *_stated_sentences(inspection.params.uncertainty),
         *_levelling_sentences(inspection),
+        *_doubtful_sentences(inspection),
         "The RMS of a plane is not its accuracy: it mixes noise and the texture of the surface. With thousands of "
         "points the random error of a plane's height is small; what remains is registration, range bias, levelling and "
         "the definition of edges.",
@@ -122,8 +126,25 @@ def uncertainty_sentences(inspection: Inspection) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _stated_sentence(inspection: Inspection) -> str:
-    stated = inspection.params.uncertainty
+def _sentences_without_u(inspection: Inspection) -> tuple[str, ...]:
+    """Return what there is to say of the accuracy of a scan without values that have an uncertainty."""
+    words = "Nothing was measured, and no uncertainty is stated."
+    if inspection.params.method == "paper" and inspection.steps:
+        words = (
+            "The quantities of the paper's method are given without an uncertainty: the method states none. The RMS of "
+            "a plane is not the accuracy of its height."
+        )
+    return (words, *_doubtful_sentences(inspection))
+
+
+def _is_unstated(stated: UncertaintyParams) -> bool:
+    """Tell whether nothing is stated of what no scan shows of itself and every rise and going rests on."""
+    return not (stated.registration_m or stated.edge_m or stated.up_deg)
+
+
+def _stated_sentences(stated: UncertaintyParams) -> list[str]:
+    """Return what the user states about the scanner, and which of the parts that weigh most were not stated."""
+    sentences = []
     values = (
         (stated.registration_m * 1000.0, "mm of registration from one step to the next"),
         (stated.edge_m * 1000.0, "mm of a nosing or back edge"),
@@ -133,29 +154,41 @@ def _stated_sentence(inspection: Inspection) -> str:
         (stated.scale_percent, "% of scale"),
     )
     parts = [f"{value:g}{'' if words.startswith('°') else ' '}{words}" for value, words in values if value]
-    if not parts:
-        return (
-            "Nothing was stated about the scanner: U holds what the scan itself shows, and not what registration, "
-            "levelling, range bias and the rounding of edges add. The true uncertainty is larger."
+    if parts:
+        sentences.append("Stated about the scanner, as standard uncertainties (k = 1): " + ", ".join(parts) + ".")
+    weights = (
+        (stated.registration_m, "registration from one step to the next"),
+        (stated.edge_m, "the rounding of edges"),
+        (stated.up_deg, "levelling"),
+        (stated.scale_percent, "scale"),
+    )
+    missing = [words for value, words in weights if not value]
+    if missing:
+        nothing = "" if parts else "Nothing was stated about the scanner. "
+        sentences.append(
+            f"{nothing}Not stated: {', '.join(missing)}. U does not hold what these add beyond what the scan itself "
+            "shows. The true uncertainty is larger."
         )
-    return "Stated about the scanner, as standard uncertainties (k = 1): " + ", ".join(parts) + "."
+    return sentences
 
 
 def _levelling_sentences(inspection: Inspection) -> list[str]:
     up = inspection.up
-    source = {
-        "given": "was given by the user",
-        "floor": "was taken from the floor",
-        "treads": "was taken from the treads",
-    }[up.source]
     stated = inspection.params.uncertainty.up_deg
-    if up.u_deg is None and not stated:
-        known = "; how well it is known was not stated, so that it is taken as exact"
-        u_deg = 0.0
+    u_deg = math.hypot(up.u_deg or 0.0, 2.0 * stated)
+    if up.source == "given":
+        words = "The vertical was given by the user"
+        found = "" if up.u_deg is None else f" to ± {u_text(up.u_deg)}° (k = 2)"
+        unknown = "; how well it is known was not stated, so that it is taken as exact" if up.u_deg is None else ""
     else:
-        u_deg = math.hypot(up.u_deg or 0.0, 2.0 * stated)
-        known = f" and is known to ± {u_text(u_deg)}° (k = 2)"
-    sentences = [f"The vertical {source}{known}."]
+        surface = "floor" if up.source == "floor" else "treads"
+        words = f"The vertical was taken from the {surface}"
+        # How well a normal is fitted says nothing of whether the surface is level.
+        found = "" if up.u_deg is None else f", the normal of which was found to ± {u_text(up.u_deg)}° (k = 2)"
+        is_or_are = "floor is" if up.source == "floor" else "treads are"
+        unknown = f"; whether the {is_or_are} level was not stated, and U takes it for granted"
+    known = f"; with what was stated about it U takes it as known to ± {u_text(u_deg)}° (k = 2)" if stated else unknown
+    sentences = [f"{words}{found}{known}."]
     goings = [step.going_m.value for step in inspection.steps if step.going_m is not None]
     if goings and u_deg:
         mean_m = sum(goings) / len(goings)
@@ -171,7 +204,8 @@ def _levelling_sentences(inspection: Inspection) -> list[str]:
 
 def _loa_sentence(inspection: Inspection) -> list[str]:
     doubts = [value.u for step in inspection.steps for value in (step.rise_m, step.going_m) if value is not None]
-    if not doubts:
+    # A level of accuracy is claimed only where something is stated of what no scan shows of itself.
+    if not doubts or _is_unstated(inspection.params.uncertainty):
         return []
     worst = max(doubts)
     level = next((name for most, name in (*_LOA, _LOA_COARSEST) if worst <= most), "coarser than LOA20")
@@ -183,21 +217,20 @@ def _loa_sentence(inspection: Inspection) -> list[str]:
 
 def limitation_sentences(inspection: Inspection, check: Check | None) -> tuple[str, ...]:
     """Return what the report does not say, as far as the program knows."""
-    sentences = [
-        "The report describes the surfaces that the scan shows, as they were on the day of the scan.",
-        "Width is that of the treads between their side edges; the clear width between handrails or walls was not "
-        "measured.",
-        "Rise and going are those of the nosings on three lines across the tread; between the lines they were not "
-        "evaluated.",
-    ]
+    sentences = ["The report describes the surfaces that the scan shows, as they were on the day of the scan."]
+    if inspection.flights:
+        sentences += [
+            "Width is that of the treads between their side edges; the clear width between handrails or walls was not "
+            "measured.",
+            "Rise and going are those of the nosings on three lines across the tread; between the lines they were not "
+            "evaluated.",
+        ]
     if inspection.params.method == "paper":
         sentences.append(
             "The scan was measured by the paper's method: rise, going and width from nosing to nosing were not "
             "measured, and no limit of a code applies to its values."
         )
-    codes = {note.code for note in inspection.notes}
-    if "unit_guessed" in codes:
-        sentences.append(f"The unit of the scan was guessed: {inspection.scan.unit}. A wrong unit scales every length.")
+    sentences += _doubtful_sentences(inspection)
     winding = [flight for flight in inspection.flights if flight.shape != "straight"]
     if winding:
         numbers = numbers_of(flight.flight_id for flight in winding)
@@ -218,6 +251,22 @@ def limitation_sentences(inspection: Inspection, check: Check | None) -> tuple[s
         if check.rule_set.is_edited:
             sentences.append("Limits of the rule set were edited by the user; the edits are listed.")
     return tuple(sentences)
+
+
+def _doubtful_sentences(inspection: Inspection) -> list[str]:
+    """Return the notes that put the vertical, the unit or the sides of the treads in doubt, as sentences."""
+    sentences = [note_sentence(note.message) for note in inspection.notes if note.code in _ABOUT_UP]
+    for note in inspection.notes:
+        if note.code == "unit_guessed":
+            guess = note_words(note.message).partition(": ")[2] or plain(inspection.scan.unit)
+            sentences.append(f"The unit of the scan was guessed: {guess}. A wrong unit scales every length.")
+    unsure = {note.step for note in inspection.notes if note.code == "side_unobserved" and note.step is not None}
+    if unsure:
+        sentences.append(
+            f"Step {numbers_of(unsure)}: a side was not seen, or ends inside those of the others; the width there is "
+            "uncertain."
+        )
+    return sentences
 
 
 def _stair_words(inspection: Inspection) -> str:

@@ -22,6 +22,8 @@ _LONGEST_NAME = 31
 _LONGEST_CELL = 32_000
 """Characters: a workbook takes 32,767 in one cell."""
 _WIDEST, _NARROWEST = 60, 8
+_OWN_SHEETS = ("About", "Fields", "Text")
+"""The sheets of the words, before those of the tables."""
 _COLOURS = {"good": "#1F6B45", "close": "#8A5A00", "bad": "#B3261E", "plain": "#5B6670"}
 _FILLS = {"close": "#FDF5E3", "bad": "#FCEBE9"}
 _ABOUT = (
@@ -62,12 +64,12 @@ def xlsx_bytes(document: Document) -> bytes:
             }
         )
         sheets = _Sheets(workbook)
-        sheets.about(document)
+        held = [(sheets.name_of(table), table) for table in document.tables() if table.rows]
+        sheets.about(document, held)
         sheets.facts(document)
         sheets.texts(document)
-        for table in document.tables():
-            if table.rows:
-                sheets.table(table)
+        for name, table in held:
+            sheets.table(name, table)
     return stream.getvalue()
 
 
@@ -76,22 +78,19 @@ class _Sheets:
 
     def __init__(self, workbook: Any) -> None:
         self._workbook = workbook
-        self._names: set[str] = set()
+        self._names = {name.casefold() for name in _OWN_SHEETS}
         self._formats: dict[tuple[Any, ...], Any] = {}
         self._head = workbook.add_format(
             {"bold": True, "text_wrap": True, "valign": "bottom", "bottom": 2, "bottom_color": "#12466B"}
         )
         self._plain = workbook.add_format({"text_wrap": True, "valign": "top"})
 
-    def about(self, document: Document) -> None:
-        """Write what the workbook holds."""
-        rows = [
-            (_sheet_of(table), f"{table.title}. {table.note if table.rows else table.empty}")
-            for table in document.tables()
-        ]
+    def about(self, document: Document, held: list[tuple[str, Table]]) -> None:
+        """Write what the workbook holds: its sheets of tables by name, with their notes."""
+        rows = [(name, f"{table.title}. {table.note}" if table.note else table.title) for name, table in held]
         made = f"{document.made_at:%Y-%m-%d}"
         head = [(document.title, " · ".join(part for part in (document.reference, made) if part)), ("", _ABOUT)]
-        self._texts("About", ("Sheet", "What it holds"), [*head, *rows], (34, 110))
+        self._texts(_OWN_SHEETS[0], ("Sheet", "What it holds"), [*head, *rows], (34, 110))
 
     def facts(self, document: Document) -> None:
         """Write the identity, instrument, scan and rule set: labels with values."""
@@ -101,10 +100,10 @@ class _Sheets:
                 rows += [(block.title, label, value) for label, value in block.items]
             elif isinstance(block, Signatures):
                 rows += [(role, label, value) for role, lines in block.items for label, value in lines]
-        self._texts("Fields", ("Group", "Field", "Value"), rows, (22, 30, 90))
+        self._texts(_OWN_SHEETS[1], ("Group", "Field", "Value"), rows, (22, 30, 90))
 
     def texts(self, document: Document) -> None:
-        """Write the sentences of the report."""
+        """Write the sentences of the report, also those that stand for a table without rows."""
         rows = []
         for title, blocks in (("", document.front), *((s.title, s.blocks) for s in document.sections)):
             for block in blocks:
@@ -115,11 +114,13 @@ class _Sheets:
                 elif isinstance(block, KeyFigures):
                     rows += [(title, f"{item.label}: {item.value} {item.unit}".strip()) for item in block.items]
                     rows += [] if block.status is None else [(title, block.status.words)]
-        self._texts("Text", ("Section", "Text"), rows, (34, 120))
+                elif isinstance(block, Table) and not block.rows:
+                    rows.append((block.title, block.empty))
+        self._texts(_OWN_SHEETS[2], ("Section", "Text"), rows, (34, 120))
 
-    def table(self, table: Table) -> None:
-        """Write one table."""
-        sheet = self._workbook.add_worksheet(self._name_of(_sheet_of(table)))
+    def table(self, name: str, table: Table) -> None:
+        """Write one table on a sheet of that name."""
+        sheet = self._workbook.add_worksheet(name)
         for k, column in enumerate(table.columns):
             sheet.write_string(0, k, _cut(column.title), self._head)
             sheet.set_column(k, k, _width_of(table, k))
@@ -132,7 +133,7 @@ class _Sheets:
         sheet.repeat_rows(0)
 
     def _texts(self, name: str, heads: tuple[str, ...], rows: list[Any], widths: tuple[int, ...]) -> None:
-        sheet = self._workbook.add_worksheet(self._name_of(name))
+        sheet = self._workbook.add_worksheet(name)
         for k, (head, width) in enumerate(zip(heads, widths, strict=True)):
             sheet.write_string(0, k, head, self._head)
             sheet.set_column(k, k, width)
@@ -166,8 +167,9 @@ class _Sheets:
             self._formats[key] = self._workbook.add_format(values)
         return self._formats[key]
 
-    def _name_of(self, title: str) -> str:
+    def name_of(self, table: Table) -> str:
         """Return a sheet's name: without the signs that a workbook forbids, and once only, whatever its capitals."""
+        title = table.key.replace("_", " ").capitalize()
         words = "".join(" " if letter in "[]:*?/\\'" else letter for letter in title).strip()[:_LONGEST_NAME].strip()
         name, number = words or "Table", 2
         while name.casefold() in self._names:
@@ -176,10 +178,6 @@ class _Sheets:
             number += 1
         self._names.add(name.casefold())
         return name
-
-
-def _sheet_of(table: Table) -> str:
-    return table.key.replace("_", " ").capitalize()
 
 
 def _width_of(table: Table, k: int) -> int:

@@ -8,11 +8,17 @@ import pytest
 from stair_inspector.codes import Limit, check, edited, overlaid
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
 from stair_inspector.model import Note
-from stair_inspector.params import Params
+from stair_inspector.params import Params, UncertaintyParams
 from stair_inspector.pipeline import inspect
 from stair_inspector.report.document import Facts, Figure, KeyFigures, Signatures, Table
 from stair_inspector.report.fields import Checklist, Photo, ReportBasis, ReportFields
-from stair_inspector.report.wording import outside_sentences, uncertainty_sentences, verdict_of
+from stair_inspector.report.wording import (
+    limitation_sentences,
+    outside_sentences,
+    result_sentence,
+    uncertainty_sentences,
+    verdict_of,
+)
 from tests.codes.flights import changed, even, flight_of, inspection_of, measured
 from tests.report.samples import BASIS, HOSTILE, MADE_AT, checked, document, html_page, plain_document, scanned
 
@@ -95,6 +101,9 @@ def test_an_edited_rule_set_says_so():
     assert "Limits of the rule set were edited by the user" in text_of(made)
     plain_one = document()
     assert facts_of(plain_one)["Edited by the user"] == "no"
+    own = dataclasses.replace(find_rule_set("us-ibc-2021"), is_shipped=False)
+    made = plain_document(scanned()[1], check(scanned()[1], own))
+    assert facts_of(made)["Edited by the user"].startswith("user's own file, not a set that comes with the program")
 
 
 def test_the_rule_set_its_file_and_hash_are_named():
@@ -175,6 +184,178 @@ def test_nothing_stated_about_the_scanner_is_said_to_be_missing():
     assert "taken as exact" in text
 
 
+def stating(inspection, **stated):
+    return dataclasses.replace(inspection, params=Params(uncertainty=UncertaintyParams(**stated)))
+
+
+def test_what_was_not_stated_about_the_scanner_is_listed():
+    text = " ".join(uncertainty_sentences(stating(inspection_of(even(3, u=0.0004)), scale_percent=0.01)))
+    assert "0.01 % of scale" in text
+    assert "Not stated: registration from one step to the next, the rounding of edges, levelling." in text
+    assert "The true uncertainty is larger" in text
+    complete = {"registration_m": 0.0001, "edge_m": 0.0005, "up_deg": 0.01, "scale_percent": 0.01}
+    text = " ".join(uncertainty_sentences(stating(inspection_of(even(3, u=0.0004)), **complete)))
+    assert "ot stated" not in text.partition("Stated about the scanner")[2]
+    assert "true uncertainty is larger" not in text
+
+
+def test_no_level_of_accuracy_is_claimed_of_a_scan_about_which_nothing_was_stated():
+    inspection = inspection_of(even(3, u=0.0004))
+    for nothing in (inspection, stating(inspection, scale_percent=0.01)):
+        assert "LOA" not in " ".join(uncertainty_sentences(nothing))
+    assert "LOA50" in " ".join(uncertainty_sentences(stating(inspection, edge_m=0.0005)))
+
+
+def test_how_well_the_floor_was_fitted_is_not_how_level_it_is():
+    inspection = inspection_of(even(4))
+    for source, words in (("floor", "whether the floor is level"), ("treads", "whether the treads are level")):
+        up = dataclasses.replace(inspection.up, source=source, u_deg=0.01)
+        text = " ".join(uncertainty_sentences(dataclasses.replace(inspection, up=up)))
+        assert f"taken from the {source}, the normal of which was found to ± 0.01° (k = 2); {words} was not" in text
+        assert "is known to" not in text
+        text = " ".join(uncertainty_sentences(stating(dataclasses.replace(inspection, up=up), up_deg=0.1)))
+        assert "with what was stated about it U takes it as known to ± 0.2° (k = 2)" in text
+
+
+def test_values_without_an_uncertainty_are_not_said_to_have_one():
+    text = " ".join(uncertainty_sentences(inspection_of(even(4, u=0.0004))))
+    assert "Every value" not in text
+    assert "Means, ranges, values on the single lines" in text
+    assert text.count("built into the program") == 2
+    assert "half the interval in which a hidden back edge lies" in text
+
+
+def test_the_papers_method_has_a_text_of_its_own_on_uncertainty():
+    inspection = inspect(scanned()[0], Params(method="paper"))
+    text = " ".join(uncertainty_sentences(inspection))
+    assert "given without an uncertainty" in text
+    for words in ("±", "k = 2", "LOA", "type A"):
+        assert words not in text
+
+
+GRAVE_NOTES = (
+    ("up_disagree", "floor and treads disagree about the vertical by 2.5°; give --up if you know it", None),
+    ("treads_lean", "the treads on the whole lean by 1.20° from the horizontal", None),
+    ("unit_guessed", "unit guessed: metres, which makes the scan 7.3 m in size; state the unit", None),
+    ("side_unobserved", "a side of step 2 was not seen", 2),
+    ("side_unobserved", "a side of step 4 was not seen", 4),
+)
+
+
+def test_the_gravest_notes_are_limitations_and_belong_to_the_accuracy():
+    inspection = inspection_of(even(5), notes=GRAVE_NOTES)
+    for sentences in (limitation_sentences(inspection, None), uncertainty_sentences(inspection)):
+        assert "Floor and treads disagree about the vertical by 2.5°." in sentences
+        assert "The treads on the whole lean by 1.20° from the horizontal." in sentences
+        text = " ".join(sentences)
+        assert "The unit of the scan was guessed: metres, which makes the scan 7.3 m in size" in text
+        assert "Step 2 and 4: a side was not seen" in text
+
+
+ADVISED = (
+    ("what it adds is not stated: choose the scanner's preset, or set uncertainty.*", "what it adds is not stated"),
+    ("unit guessed: metres; if that is wrong, state the unit with --unit", "unit guessed: metres"),
+    (
+        "a ceiling, which serves as well; give --up -z if the scan's z axis points down",
+        "a ceiling, which serves as well",
+    ),
+    ("one level; check the up direction, then theta_th, eps_z and m", "one level"),
+    ("one spans 900 mm, so several have run together: lower eps_z or raise m, and check it", "one spans 900 mm"),
+    ("may be exchanged; try another axes rule", "may be exchanged"),
+    ("step 3 has no rise: no floor was seen; a second part", "step 3 has no rise: no floor was seen; a second part"),
+)
+
+
+@pytest.mark.parametrize(("message", "words"), ADVISED)
+def test_a_note_is_printed_without_its_advice_on_the_program(message, words):
+    made = plain_document(inspection_of(even(3), notes=[("x", message, None)]))
+    assert table_of(made, "notes").rows[0][-1] == words
+
+
+def test_no_note_of_a_scan_speaks_of_the_programs_options():
+    empty = dataclasses.replace(
+        inspection_of(even(1)),
+        steps=(),
+        flights=(),
+        notes=(Note("no_staircase", "verdict", "no staircase found: 2 levels; check the up direction, eps_z and m"),),
+    )
+    assert result_sentence(empty, None) == "No staircase found: 2 levels."
+    for made in (plain_document(inspect(scanned()[0], Params())), plain_document(empty)):
+        text = text_of(made)
+        for words in ("--up", "--unit", "uncertainty.*", "check the up direction"):
+            assert words not in text
+
+
+def test_the_same_findings_are_counted_alike_in_the_summary_and_the_table():
+    steps = even(8, rise=measured(0.178, 0.0005))
+    for number in (3, 5):
+        steps = changed(steps, number, rise_m=measured(0.18, 0.0005))
+    inspection = inspection_of(steps)
+    found = check(inspection, find_rule_set("us-ibc-2021"))
+    counts = "2 outside, 6 outside by less than U"
+    assert f"of this rule {counts}" in outside_sentences(found)[0]
+    row = table_of(plain_document(inspection, found), "rules").rows[0]
+    assert f"8: {counts}" in row
+
+
+def test_a_value_just_outside_is_not_said_to_be_outside_by_nothing():
+    found = check(inspection_of(even(4, rise=measured(0.177801, 0.0005))), find_rule_set("us-ibc-2021"))
+    assert "by less than 0.01 mm, by less than U" in outside_sentences(found)[0]
+    made = plain_document(inspection_of(even(4)), found)
+    for key in ("rules", "findings"):
+        table = table_of(made, key)
+        margin = next(k for k, column in enumerate(table.columns) if column.name == "Margin")
+        assert table.columns[margin].text(table.rows[0][margin]) == "−0.001"
+
+
+@pytest.mark.parametrize(
+    ("u", "shown"), [(0.0, "190.00"), (0.00004, "190.00 ± 0.04"), (0.0002, "190.0 ± 0.2"), (0.012, "190 ± 12")]
+)
+def test_a_value_and_its_uncertainty_are_rounded_to_the_same_place(u, shown):
+    inspection = inspection_of(changed(even(4), 2, rise_m=measured(0.19, u)))
+    found = check(inspection, find_rule_set("us-ibc-2021"))
+    assert f"riser height is {shown} mm" in outside_sentences(found)[0]
+    table = table_of(plain_document(inspection, found), "rules")
+    cells = {column.name: column.text(cell) for column, cell in zip(table.columns, table.rows[0], strict=True)}
+    assert f"{cells['Measured']} ± {cells['U']}".removesuffix(" ± 0") == shown
+
+
+def test_the_dimensions_of_a_step_are_rounded_where_their_uncertainty_is():
+    steps = changed(even(4), 2, rise_m=measured(0.19012, 0.00004), width_m=measured(1.6012, 0.012))
+    table = table_of(plain_document(inspection_of(steps)), "steps")
+    cells = {column.name: column.text(cell) for column, cell in zip(table.columns, table.rows[1], strict=True)}
+    assert (cells["Rise"], cells["U rise"]) == ("190.12", "0.04")
+    assert (cells["Width"], cells["U width"]) == ("1601", "12")
+    assert cells["Going"] == "290.0"
+
+
+def test_one_reason_for_all_rules_is_told_once():
+    inspection = inspect(scanned()[0], Params(method="paper"))
+    made = plain_document(inspection, check(inspection, find_rule_set("us-ibc-2021")))
+    table = table_of(made, "findings")
+    assert table.rows == ()
+    assert table.empty.endswith("could be judged: the paper's method measures nothing from nosing to nosing.")
+    keys = {each.key for each in made.tables()}
+    assert not {"by_step", "fits"} & keys
+    assert text_of(made).count("measures nothing from nosing to nosing") == 1
+
+
+def test_what_was_not_measured_is_no_limitation():
+    paper = inspect(scanned()[0], Params(method="paper"))
+    assert not any("three lines" in sentence for sentence in limitation_sentences(paper, None))
+    assert any("three lines" in sentence for sentence in limitation_sentences(scanned()[1], None))
+
+
+def test_the_summary_has_range_and_largest_change_of_the_goings():
+    inspection = scanned()[1]
+    table = table_of(document(), "flights")
+    rows = [dict(zip((column.name for column in table.columns), row, strict=True)) for row in table.rows]
+    for row, flight in zip(rows, inspection.flights, strict=True):
+        assert row["Range of going"] == pytest.approx(1000.0 * flight.going.range)
+        assert row["Largest change of going"] == pytest.approx(1000.0 * flight.going.max_adjacent)
+        assert row["Between these steps"] == "{} and {}".format(*flight.going.at)
+
+
 def test_a_tilt_is_told_in_millimetres_of_rise():
     inspection = inspection_of(even(4))
     tilted = dataclasses.replace(inspection, up=dataclasses.replace(inspection.up, source="floor", u_deg=1.0))
@@ -200,7 +381,7 @@ def test_an_outside_value_is_told_with_clause_and_edition():
     found = check(inspection_of(steps), find_rule_set("us-ibc-2021"))
     first = outside_sentences(found)[0]
     assert first == (
-        "Flight 1, step 2: riser height is 190.00 ± 0.2 mm, outside the limit 7 in (177.8 mm) listed in 1011.5.2, "
+        "Flight 1, step 2: riser height is 190.0 ± 0.2 mm, outside the limit 7 in (177.8 mm) listed in 1011.5.2, "
         "International Building Code, 2021, by 12.20 mm."
     )
 
@@ -208,7 +389,7 @@ def test_an_outside_value_is_told_with_clause_and_edition():
 def test_an_outside_value_that_is_close_says_so():
     found = check(inspection_of(even(4, rise=measured(0.178, 0.0005))), find_rule_set("us-ibc-2021"))
     assert outside_sentences(found)[0].endswith(
-        "by 0.20 mm, by less than U; 4 findings of this rule are outside, this is the furthest."
+        "by 0.20 mm, by less than U; of this rule 4 outside by less than U, this is the gravest."
     )
     assert verdict_of(found).tone == "close"
 

@@ -86,6 +86,22 @@ def test_a_file_gives_every_part(folder):
     assert basis.paper == "us-letter"
 
 
+def test_a_date_or_time_without_quotes_is_taken_as_text(folder):
+    text = "[fields]\nsurvey_date = 2026-11-22\nsurvey_time = 09:30:00\nsigned_on = 2026-11-23T08:15:00Z"
+    fields = basis_of(folder, text).fields
+    assert (fields.survey_date, fields.survey_time) == ("2026-11-22", "09:30:00")
+    assert fields.signed_on == "2026-11-23T08:15:00+00:00"
+
+
+@pytest.mark.parametrize("quantity", sorted(STEP_QUANTITIES))
+def test_only_what_has_a_direction_may_be_negative(quantity):
+    if quantity in ("fall", "cross_fall", "nosing_overhang"):
+        assert TapeReading(quantity, -0.01, step=1).value == -0.01
+    else:
+        with pytest.raises(ConfigError, match=r"value: got -0\.01; give a number that is not negative"):
+            TapeReading(quantity, -0.01, step=1)
+
+
 def test_an_empty_file_leaves_all_blank(folder):
     assert basis_of(folder, "") == ReportBasis()
 
@@ -122,6 +138,10 @@ def test_every_field_stands_in_one_group_and_has_a_label():
         ("[[readings]]\nquantity = 'width'\nstep = 1\nvalue = 1\nunit = 'm'\nline = 'left'", "only rise and going"),
         ("[[readings]]\nquantity = 'rise'\nstep = 1\nvalue = 1\nunit = 'm'\nline = 'top'", "line: got 'top'"),
         ("[[readings]]\nquantity = 'rise'\nstep = 1\nvalue = 170\nunit = 'mm'\nu = -1", "not negative"),
+        (
+            "[[readings]]\nquantity = 'rise'\nstep = 1\nvalue = -178\nunit = 'mm'",
+            "value: got -0.178; give a number that",
+        ),
         ("paper = 'a3'", "paper: got 'a3'; give one of a4, us-letter"),
         ("logo = 'none.png'", "is no file; check the name"),
         ("logo = 3", "logo: got 3; give the name of a picture"),
@@ -177,7 +197,7 @@ def test_a_project_keeps_what_the_user_gave(folder):
         st.sampled_from([field.name for field in dataclasses.fields(ReportFields)]),
         st.text(st.characters(codec="utf-8", exclude_categories=("Cc",)), max_size=40),
     ),
-    value=st.floats(-90.0, 90.0),
+    value=st.floats(0.0, 90.0),
     quantity=st.sampled_from(sorted(STEP_QUANTITIES)),
 )
 def test_any_basis_survives_a_project(texts, value, quantity):

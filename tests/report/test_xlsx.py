@@ -42,6 +42,23 @@ def test_there_is_a_sheet_for_each_table_and_three_for_the_words(book):
     assert len(tables) >= 12
 
 
+def test_the_first_sheet_lists_the_sheets_of_tables_that_are_there(book):
+    listed = list(book["About"].iter_rows(min_row=4, values_only=True))
+    assert [name for name, _ in listed] == book.sheetnames[3:]
+    by_key = {table.key.replace("_", " ").capitalize(): table for table in document().tables()}
+    for name, words in listed:
+        table = by_key[name]
+        assert words == (f"{table.title}. {table.note}" if table.note else table.title)
+    assert any(not by_key[name].note for name, _ in listed)
+
+
+def test_what_stands_for_a_table_without_rows_is_among_the_texts(book):
+    assert "Overrules" not in book.sheetnames
+    texts = list(book["Text"].iter_rows(min_row=2, values_only=True))
+    (empty,) = [table for table in document().tables() if table.key == "overrules"]
+    assert (empty.title, empty.empty) in texts
+
+
 def test_numbers_are_numbers_and_heads_say_their_units(book):
     for table in document().tables():
         if not table.rows:

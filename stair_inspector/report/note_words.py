@@ -1,0 +1,26 @@
+"""Notes of a measurement as a report prints them: what they say, without the advice on the program's settings."""
+
+import re
+
+from stair_inspector.report.document import plain
+
+_ADVICE = re.compile(
+    r"(?:;|:|, so several have run together:) (?:"
+    r"give --up\b|if that is wrong, state the unit with --unit|choose the scanner's preset, or set uncertainty\.\*|"
+    r"check the up direction|try another axes rule|lower eps_z or raise m|correct overrules\.climb|"
+    r"measure with the method survey"
+    r").*\Z",
+    re.DOTALL,
+)
+"""The end of a message that tells the user of the program, and not the reader of a report, what to do."""
+
+
+def note_words(message: str) -> str:
+    """Return what a note says, without what it advises."""
+    return plain(_ADVICE.sub("", message))
+
+
+def note_sentence(message: str) -> str:
+    """Return what a note says as a sentence."""
+    words = note_words(message)
+    return f"{words[:1].upper()}{words[1:]}."
