@@ -50,8 +50,8 @@ def closure_table(inspection: Inspection) -> Table:
     note = (
         "The sum of the rises, taken at the nosings on the centre line, against the height between the plane fitted to "
         "all points of the surface at the foot and that fitted to all points of the topmost step, at the same places. "
-        "The nosings in between cancel: the check tells of the two end surfaces only. So do the vertical and the scale: "
-        "U of the difference is made of noise, edge and registration. A nosing strip that stands proud, a worn or "
+        "The nosings in between cancel: the check tells of the two end surfaces only. So do vertical and scale: U of "
+        "the difference is made of noise, edge and registration. A nosing strip that stands proud, a worn or "
         "bowed surface, or parts of a surface that stations saw at different heights, show as a difference."
     )
     return Table(

@@ -19,6 +19,8 @@ from tests.report.samples import (
     workbook,
 )
 
+pytestmark = pytest.mark.slow
+
 COLUMNS = (
     ("Rise (mm)", "rise_m"),
     ("Going (mm)", "going_m"),
@@ -26,11 +28,7 @@ COLUMNS = (
     ("Overhang (mm)", "nosing_overhang_m"),
     ("Width (mm)", "width_m"),
 )
-NAMES = (
-    "defective_step",
-    pytest.param("long_landing", marks=pytest.mark.slow),
-    pytest.param("ceiling_clutter", marks=pytest.mark.slow),
-)
+NAMES = ("defective_step", "long_landing", "ceiling_clutter")
 
 
 def shown(value, digits):

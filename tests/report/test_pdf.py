@@ -29,6 +29,8 @@ from tests.report.samples import (
     scanned,
 )
 
+pytestmark = pytest.mark.slow
+
 
 def words_of(text):
     """A text as the PDF gives it back: one blank for any number."""

@@ -10,6 +10,8 @@ from stair_inspector.report.render import RenderedView
 from stair_inspector.report.write import drawing_bytes, make_report, report_paths, write_report
 from tests.report.samples import BASIS, MADE_AT, checked, formats, scanned
 
+pytestmark = pytest.mark.slow
+
 VIEW = RenderedView("own/../view", "from the page <b>", b"\x89PNG", 0.5)
 
 
