@@ -1,9 +1,11 @@
 """Settings of the test run."""
 
 import os
+from typing import Any
 
 import hypothesis
 import pytest
+from xdist.scheduler import LoadScopeScheduling
 
 # scikit-learn, the oracle, counts physical cores and warns where the system does not tell; a warning fails a test.
 os.environ.setdefault("LOKY_MAX_CPU_COUNT", "1")
@@ -12,8 +14,18 @@ hypothesis.settings.register_profile("repeatable", deadline=None, derandomize=Tr
 hypothesis.settings.load_profile("repeatable")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Keep the tests of a file in one process, and all that drive a browser: they share what is costly to make."""
-    for item in items:
-        group = "browser" if "browser" in item.path.parts else item.path.as_posix()
-        item.add_marker(pytest.mark.xdist_group(group))
+class FilesTogether(LoadScopeScheduling):
+    """Deals the tests out so that those of a file, and all that drive a browser, are in one process.
+
+    They share what is costly to make. Groups by mark are not used: they need a name of pytest's that it has given up.
+    """
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = nodeid.split("::", 1)[0]
+        return "browser" if "browser" in file.split("/") else file
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling:
+    """Hand the plugin that runs the tests in several processes its order."""
+    return FilesTogether(config, log)

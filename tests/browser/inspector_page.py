@@ -361,12 +361,8 @@ class InspectorPage:
             return waiting.value.suggested_filename, stream.read()
 
     def close_notifications(self):
-        notes = self.page.locator(".mantine-Notification-root")
-        for _ in range(10):
-            if not notes.count():
-                return
-            before = notes.count()
-            click_at_once(notes.first.get_by_role("button"))
-            self.page.wait_for_function(
-                "(n) => document.querySelectorAll('.mantine-Notification-root').length < n", arg=before
-            )
+        # In one go: one that closes by itself meanwhile is not waited for.
+        self.page.wait_for_function(
+            "() => { const notes = [...document.querySelectorAll('.mantine-Notification-root')];"
+            " notes.forEach((note) => note.querySelector('button')?.click()); return notes.length === 0; }"
+        )
