@@ -183,15 +183,22 @@ class HeavyProcess:
     def close(self) -> None:
         """End the process, whatever it is doing."""
         self._is_closed = True
-        self._process.terminate()
-        self._process.join(timeout=5.0)
-        self._pipe.close()
+        self._end_process()
+        # Who waits for an answer learns that the far end is gone; closed under their hands, the pipe's number could
+        # be that of another file by then.
+        with self._lock:
+            self._pipe.close()
 
     def _restart(self) -> None:
+        """End the process and start another; the lock is held."""
         if not self._is_closed:
-            self.close()
-            self._is_closed = False
+            self._end_process()
+            self._pipe.close()
             self._start()
+
+    def _end_process(self) -> None:
+        self._process.terminate()
+        self._process.join(timeout=5.0)
 
     def _start(self) -> None:
         self._pipe, far_end = self._context.Pipe()
