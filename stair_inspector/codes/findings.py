@@ -44,6 +44,11 @@ class Verdict(Enum):
         return self in (Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE)
 
     @property
+    def is_listed(self) -> bool:
+        """Whether every single value with this verdict is told of; what is plainly within is counted."""
+        return self.is_outside or self in (Verdict.WITHIN_CLOSE, Verdict.NOT_MEASURED, Verdict.NOT_JUDGED)
+
+    @property
     def is_within(self) -> bool:
         """Whether the value lies inside its limits, close or not."""
         return self in (Verdict.WITHIN, Verdict.WITHIN_CLOSE)

@@ -20,14 +20,6 @@ TONES: dict[Verdict, Tone] = {
     Verdict.OUTSIDE: "bad",
 }
 """The tone of a verdict; the others say nothing of a limit."""
-_TELLING = (
-    Verdict.OUTSIDE,
-    Verdict.OUTSIDE_CLOSE,
-    Verdict.WITHIN_CLOSE,
-    Verdict.NOT_MEASURED,
-    Verdict.NOT_JUDGED,
-)
-"""Verdicts of which every single finding is listed; what is plainly within is counted."""
 
 
 def status_of(verdict: Verdict) -> Status:
@@ -129,7 +121,7 @@ def findings_table(check: Check) -> Table:
         Column("Result"),
         Column("Reason", width=2.8),
     )
-    told = [found for found in check.findings if found.verdict in _TELLING]
+    told = [found for found in check.findings if found.verdict.is_listed]
     shared = _shared_reason(check, told)
     if shared:
         told = []

@@ -41,7 +41,7 @@ def xlsx_bytes(document: Document) -> bytes:
         XlsxWriter is not installed.
     """
     try:
-        import xlsxwriter  # type: ignore[import-untyped]
+        import xlsxwriter
     except ImportError as error:
         raise MissingLibrary(
             "XlsxWriter is not installed, which writes the workbook: pip install XlsxWriter"

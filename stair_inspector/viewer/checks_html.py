@@ -19,14 +19,6 @@ from stair_inspector.viewer.step_marks import tone_css, tone_of
 
 RULE = "rule"
 """Word before a rule's number, from 1."""
-_TELLING = (
-    Verdict.OUTSIDE,
-    Verdict.OUTSIDE_CLOSE,
-    Verdict.WITHIN_CLOSE,
-    Verdict.NOT_MEASURED,
-    Verdict.NOT_JUDGED,
-)
-"""Verdicts that are told of a single step; what is plainly within is counted."""
 _FIT_TONES: dict[bool | None, Tone] = {True: "good", False: "close", None: "plain"}
 _CELL = "padding:5px 4px;vertical-align:top"
 _STYLE = "font-size:12px;line-height:1.35;padding:2px 12px 6px 9px;overflow-wrap:anywhere"
@@ -89,7 +81,7 @@ def steps_html(
     rows, quiet = [], []
     for step in inspection.steps:
         findings = check.of_step(step.step_id)
-        told = tuple(found for found in findings if found.verdict in _TELLING)
+        told = tuple(found for found in findings if found.verdict.is_listed)
         if told:
             rows.append(_step_row(step.step_id, told, step.step_id == selected, pick_uuid, unit))
         elif any(found.verdict is Verdict.WITHIN for found in findings):

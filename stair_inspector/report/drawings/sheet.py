@@ -5,6 +5,7 @@ import math
 from stair_inspector.report import svg
 from stair_inspector.report.drawings.dxf import head_of
 from stair_inspector.report.drawings.model import (
+    Anchor,
     Arrow,
     Circle,
     Dimension,
@@ -107,13 +108,17 @@ def _part(part: Part, paper: _Paper) -> str:
     return _dimension(part, paper, color, width)
 
 
+_TURNED: dict[Anchor, Anchor] = {"start": "end", "middle": "middle", "end": "start"}
+"""What an anchor becomes where words are turned half around, to be read from below."""
+
+
 def _words(part: Words, paper: _Paper, color: str) -> str:
     size = part.size * paper.scale / _CAPITALS
     x, y = paper.at(part.at)
     turn = -readable_deg(part.turn_deg)
     anchor = part.anchor
     if turn != -part.turn_deg:
-        anchor = {"start": "end", "middle": "middle", "end": "start"}[anchor]  # type: ignore[assignment]
+        anchor = _TURNED[anchor]
     # Below its middle by half a capital, along the turned upright.
     x -= math.sin(math.radians(turn)) * _CAPITALS * size / 2.0
     y += math.cos(math.radians(turn)) * _CAPITALS * size / 2.0
