@@ -13,27 +13,7 @@ from PIL import Image
 from stair_inspector.errors import ConfigError
 from stair_inspector.report.pictures.cameras import VIEWS
 from stair_inspector.viewer.runs import Progress
-from tests.viewer.wire_page import STAIR, WirePage, await_that, serve_two_stairs
-
-
-@pytest.fixture(scope="module")
-def app(tmp_path_factory):
-    app = serve_two_stairs(tmp_path_factory.mktemp("scans"))
-    yield app
-    app.stop()
-
-
-@pytest.fixture
-def page(app):
-    page = WirePage(app)
-    page.await_result(STAIR)
-    yield page
-    page.close()
-
-
-@pytest.fixture
-def session(page):
-    return page.session
+from tests.viewer.wire_page import await_that
 
 
 @pytest.fixture

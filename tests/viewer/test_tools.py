@@ -7,30 +7,10 @@ import pytest
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.params import parse_region
-from tests.viewer.wire_page import _CAMERA, OTHER, STAIR, WirePage, await_that, serve_two_stairs
+from tests.viewer.wire_page import _CAMERA, OTHER, await_that
 
 AROUND = np.array([[-0.01], [0.01]])
 """The box of the whole scan is so much larger, metres."""
-
-
-@pytest.fixture(scope="module")
-def app(tmp_path_factory):
-    app = serve_two_stairs(tmp_path_factory.mktemp("scans"))
-    yield app
-    app.stop()
-
-
-@pytest.fixture
-def page(app):
-    page = WirePage(app)
-    page.await_result(STAIR)
-    yield page
-    page.close()
-
-
-@pytest.fixture
-def session(page):
-    return page.session
 
 
 def open_scan(page, label):
