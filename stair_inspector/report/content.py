@@ -251,9 +251,9 @@ def _steps(inspection: Inspection, check: Check | None, pictures: Pictures) -> l
         return []
     return [
         tables.steps_table(inspection, check),
+        Bullets(wording.DEFINITIONS),
         *pictures.bars,
         tables.evidence_table(inspection, check),
-        Bullets(wording.DEFINITIONS),
         *pictures.residuals,
     ]
 

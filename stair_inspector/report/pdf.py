@@ -28,9 +28,8 @@ from stair_inspector.report.document import (
     Status,
     Table,
 )
+from stair_inspector.report.fonts import font_folders
 
-_FONT_PACKAGES = ("fontpkg_source_sans_3", "pylopdf_fonts_ko")
-"""Source Sans 3, and the Noto Sans KR that was drawn to go with it."""
 _ALWAYS_DRAWN = frozenset(map(chr, range(0x20, 0x7F))) | frozenset("\n")
 _SUFFIXES = {"svg": "svg", "png": "png", "jpeg": "jpg"}
 _TABLE_PT = 8.0
@@ -82,7 +81,7 @@ def _typeset(document: Document, **wanted: Any) -> Any:
         for file, data in _pictures(document).items():
             (folder / file).write_bytes(data)
         try:
-            return typst.compile(str(folder / "report.typ"), root=name, font_paths=_font_folders(), **wanted)
+            return typst.compile(str(folder / "report.typ"), root=name, font_paths=list(font_folders()), **wanted)
         except typst.TypstError as error:
             reason = " ".join(str(error).split())
             raise WriteError(
@@ -96,15 +95,6 @@ def _typst() -> Any:
     except ImportError as error:
         raise MissingLibrary("typst is not installed, which typesets the PDF: pip install typst") from error
     return typst
-
-
-@functools.cache
-def _font_folders() -> list[str]:
-    try:
-        return [str(resources.files(package)) for package in _FONT_PACKAGES]
-    except ModuleNotFoundError as error:
-        package = (error.name or "").replace("_", "-")
-        raise MissingLibrary(f"{package} is not installed, a font of the PDF: pip install {package}") from error
 
 
 def _spelt(value: Any) -> Any:
@@ -130,7 +120,7 @@ def _is_drawn(letter: str) -> bool:
     try:
         typst.compile(
             source.encode(),
-            font_paths=_font_folders(),
+            font_paths=list(font_folders()),
             pdf_standards="ua-1",
             sys_inputs={"letter": base + letter},
         )

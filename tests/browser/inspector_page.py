@@ -201,21 +201,26 @@ class InspectorPage:
 
     def still_camera(self):
         """Where the camera stands once the picture has got its shape."""
-        before = None
+        seen = []
         for _ in range(100):
-            now = self.camera()
-            if now == before:
-                return now
-            before = now
+            seen.append(self.camera())
+            # On a busy machine the page may take half a second for its answer to a new shape.
+            if seen[-4:] == [seen[-1]] * 4:
+                return seen[-1]
             self.page.wait_for_timeout(250)
         raise AssertionError("the camera does not come to rest")
 
     def await_camera(self, position):
-        self.page.wait_for_function(
-            "(wanted) => window.__viserMutable.camera.position.toArray()"
-            ".every((value, axis) => Math.abs(value - wanted[axis]) < 0.001)",
-            arg=position,
-        )
+        from playwright.sync_api import TimeoutError
+
+        try:
+            self.page.wait_for_function(
+                "(wanted) => window.__viserMutable.camera.position.toArray()"
+                ".every((value, axis) => Math.abs(value - wanted[axis]) < 0.001)",
+                arg=position,
+            )
+        except TimeoutError as error:
+            raise AssertionError(f"waited for the camera at {position}, it is at {self.camera()}") from error
 
     @property
     def canvas(self):

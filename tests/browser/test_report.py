@@ -73,6 +73,7 @@ def add_reading(page, place, quantity, value):
 @pytest.mark.slow
 def test_one_click_gives_every_file_with_what_was_measured_judged_and_written(page, measured):
     choose_rules(page, label_of(SHARED), SHARED)
+    camera = page.still_camera()
     open_fields(page, "Object")
     write(page, "Client", HOSTILE)
     add_reading(page, "step 2", "rise", "171.5")
@@ -108,7 +109,7 @@ def test_one_click_gives_every_file_with_what_was_measured_judged_and_written(pa
         assert not drawing.audit().errors
     # The scene is again as it was.
     page.await_node("/stair/segments/outside")
-    page.await_camera(page.home)
+    page.await_camera(camera)
 
 
 @pytest.mark.slow

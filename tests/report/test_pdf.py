@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from stair_inspector.errors import MissingLibrary, WriteError
-from stair_inspector.report import pdf
+from stair_inspector.report import fonts
 from stair_inspector.report.document import Bullets, Document, Facts, Figure, Paragraph, Section, Signatures, Table
 from stair_inspector.report.fields import ReportBasis, ReportFields
 from stair_inspector.report.pdf import page_pngs, pdf_bytes
@@ -57,10 +57,10 @@ def fonts_of(reader):
 
 
 def test_every_font_is_embedded(reader):
-    fonts = fonts_of(reader)
-    assert fonts
-    assert all(fonts.values())
-    assert {name.split("+")[1].split("-")[0] for name in fonts} == {"SourceSans3", "NotoSansKR"}
+    found = fonts_of(reader)
+    assert found
+    assert all(found.values())
+    assert {name.split("+")[1].split("-")[0] for name in found} == {"SourceSans3", "NotoSansKR"}
 
 
 def test_headings_are_tagged_and_the_language_is_said(reader):
@@ -173,6 +173,22 @@ def test_a_picture_that_is_none_is_told_in_one_sentence():
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("paper", ["a4", "us-letter"])
+@pytest.mark.parametrize("words", [3, 60])
+def test_pictures_of_a_tall_stair_stand_on_the_first_page_whole(paper, words):
+    def tall(shade):
+        stream = io.BytesIO()
+        Image.new("RGB", (300, 900), (shade, 90, 160)).save(stream, "PNG")
+        return Figure(f"f{shade}", "caption " * words, "words", "png", stream.getvalue(), 0.5)
+
+    made = dataclasses.replace(
+        made_of(Paragraph("words")), paper=paper, front=(Paragraph("lead " * 60, "lead"), tall(10), tall(200))
+    )
+    pages = pypdf.PdfReader(io.BytesIO(pdf_bytes(made))).pages
+    assert [len(page.images) for page in pages] == [2, 0]
+    assert pages[0].extract_text().count("caption") == 2 * words
+
+
 def test_pages_as_pictures_are_those_of_the_pdf():
     made = plain_document(scanned()[1], checked())
     pages = page_pngs(made, 40.0)
@@ -273,11 +289,11 @@ def test_an_empty_field_is_a_blank_behind_its_label():
 
 
 def test_what_is_missing_is_said_in_one_sentence(monkeypatch):
-    monkeypatch.setattr(pdf, "_FONT_PACKAGES", ("no_such_fonts",))
-    pdf._font_folders.cache_clear()
+    monkeypatch.setattr(fonts, "_PACKAGES", ("no_such_fonts",))
+    fonts.font_folders.cache_clear()
     try:
         with pytest.raises(MissingLibrary, match=r"no-such-fonts is not installed.*pip install"):
             pdf_bytes(made_of(Paragraph("words")))
     finally:
         monkeypatch.undo()
-        pdf._font_folders.cache_clear()
+        fonts.font_folders.cache_clear()

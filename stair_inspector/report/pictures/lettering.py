@@ -1,10 +1,11 @@
-"""Words in pictures: a font of this machine that has all the letters, or Pillow's own with the letters that it has."""
+"""Words in pictures: a font of the report's, or of this machine, that has all letters; else what Pillow's own has."""
 
 from functools import lru_cache
 
 from PIL import ImageDraw, ImageFont
 
 from stair_inspector.files.palettes import Rgb
+from stair_inspector.report.fonts import font_files
 
 _FONTS = (
     "DejaVuSans.ttf",
@@ -17,7 +18,10 @@ _FONTS = (
     "malgun.ttf",
     "AppleSDGothicNeo.ttc",
 )
-"""Looked for by Pillow where the system keeps its fonts; the first that has every letter of a text draws it."""
+"""Where the report's own lack a letter: looked for by Pillow where the system keeps its fonts. The first that has every
+letter of a text draws it."""
+_REGULAR = 400.0
+"""Weight of the letters, of the fonts that have more than one."""
 _INSTEAD = {
     "–": "-",
     "−": "-",
@@ -91,7 +95,7 @@ class Lettering:
 def _fit(words: str, size: int) -> tuple[Font, str]:
     """Return a font and the text in letters that it has."""
     words = "".join(letter if letter.isprintable() else " " for letter in words)
-    for name in _FONTS:
+    for name in (*font_files(), *_FONTS):
         font = _font(name, size)
         if font is not None and all(_has(name, letter) for letter in words):
             return font, words
@@ -102,9 +106,15 @@ def _fit(words: str, size: int) -> tuple[Font, str]:
 @lru_cache(maxsize=256)
 def _font(name: str, size: int) -> ImageFont.FreeTypeFont | None:
     try:
-        return ImageFont.truetype(name, size)
+        font = ImageFont.truetype(name, size)
     except OSError:
         return None
+    try:
+        font.set_variation_by_axes([_REGULAR])
+    except OSError:
+        # Most fonts have one weight only.
+        return font
+    return font
 
 
 @lru_cache(maxsize=4096)
@@ -116,4 +126,4 @@ def _has(name: str, letter: str) -> bool:
 def _own_letters(letter: str) -> str:
     if _has("", letter):
         return letter
-    return _INSTEAD.get(letter, "?")
+    return _INSTEAD.get(letter, f"<U+{ord(letter):04X}>")

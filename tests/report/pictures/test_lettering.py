@@ -18,10 +18,15 @@ def pen_on(size=20, outline=0, ground=(255, 255, 255, 0)):
     return image, Lettering(ImageDraw.Draw(image), size, INK, outline)
 
 
-@pytest.fixture(params=["fonts of this machine", "no fonts"])
+def without_fonts(monkeypatch):
+    monkeypatch.setattr(lettering, "font_files", tuple)
+    monkeypatch.setattr(lettering, "_FONTS", ("this-font-does-not-exist.ttf",))
+
+
+@pytest.fixture(params=["fonts", "no fonts"])
 def fonts(request, monkeypatch):
     if request.param == "no fonts":
-        monkeypatch.setattr(lettering, "_FONTS", ())
+        without_fonts(monkeypatch)
     return request.param
 
 
@@ -34,16 +39,32 @@ def test_the_ink_of_a_text_fills_the_width_it_says(fonts, words):
     assert inked[-1] - 10 == pytest.approx(pen.width(words), abs=6)
 
 
-def test_a_letter_that_no_font_has_is_a_question_mark_and_what_is_no_letter_is_a_space(monkeypatch):
-    assert lettering._fit("a\nb\tc\ue123", 20)[1] == "a b c "
+def test_the_reports_own_fonts_have_what_is_written_here_and_no_font_of_the_machine_is_needed(monkeypatch):
     monkeypatch.setattr(lettering, "_FONTS", ())
-    assert lettering._fit("\ua000 stair", 20)[1] == "? stair"
+    for words in LETTERS:
+        font, written = lettering._fit(words, 20)
+        assert written == words
+        assert font.getname()[0] == ("Noto Sans KR" if "계" in words else "Source Sans 3")
+
+
+def test_letters_are_of_regular_weight():
+    image, pen = pen_on(size=40)
+    pen.write(10, 10, "lllll")
+    inked = np.asarray(image)[..., 3].astype(float)[30] / 255.0
+    # A stem of Source Sans is 84 thousandths of the letters' size, one of its extra light 31.
+    assert inked.sum() / 5 == pytest.approx(0.084 * 40, rel=0.15)
+
+
+def test_a_letter_that_no_font_has_is_its_code_point_and_what_is_no_letter_is_a_space(monkeypatch):
+    assert lettering._fit("a\nb\tc\ue123", 20)[1] == "a b c "
+    without_fonts(monkeypatch)
+    assert lettering._fit("\ua000 stair", 20)[1] == "<U+A000> stair"
 
 
 def test_without_fonts_the_signs_of_the_settings_are_spelt(monkeypatch):
-    monkeypatch.setattr(lettering, "_FONTS", ("this-font-does-not-exist.ttf",))
+    without_fonts(monkeypatch)
     words = lettering._fit("θ_th 15° · ε_z ± 한", 20)[1]
-    assert words == "theta_th 15° · eps_z ± ?"
+    assert words == "theta_th 15° · eps_z ± <U+D55C>"
 
 
 @pytest.mark.parametrize("width", [90, 200, 590])
