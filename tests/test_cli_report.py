@@ -60,6 +60,7 @@ def test_a_report_is_written_beside_the_files_of_measure_and_said(run, tmp_path,
     assert hashlib.sha256(stair_file.read_bytes()).hexdigest() in text.replace("\n", "")
 
 
+@pytest.mark.slow
 def test_a_report_holds_what_the_file_of_fields_says(run, tmp_path, stair_file):  # noqa: F811
     fields = tmp_path / "fields.toml"
     fields.write_text('[fields]\nclient = "#set page() <b>&amp;"\nfirm = "Own Engineers"\n', encoding="utf-8")
@@ -71,6 +72,7 @@ def test_a_report_holds_what_the_file_of_fields_says(run, tmp_path, stair_file):
     assert "R318" not in text
 
 
+@pytest.mark.slow
 def test_a_project_brings_its_rules_its_fields_and_its_title(run, tmp_path, project_file):  # noqa: F811
     out = tmp_path / "out"
     assert run("measure", "--project", project_file, "-o", out, "--report")[0] == 0

@@ -163,7 +163,16 @@ def sample(name):
     return seen, inspect(scan, seen.params, memo)
 
 
-@pytest.mark.parametrize("name", ["straight", "long_landing", "ceiling_clutter", "handheld_noisy", "defective_step"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "handheld_noisy",
+        *(
+            pytest.param(each, marks=pytest.mark.slow)
+            for each in ("straight", "long_landing", "ceiling_clutter", "defective_step")
+        ),
+    ],
+)
 def test_the_suggestion_finds_every_step_of_a_sample(name):
     truth = json.loads((sample_scans() / f"{name}.truth.json").read_text())
     seen, inspection = sample(name)
