@@ -91,6 +91,13 @@ class View(Common):
     ] = ""
     autosave: Annotated[bool, Doc("Save projects; without it they are kept until the server ends.")] = True
     upload_limit_mb: Annotated[float, Doc("Largest scan that a page may upload, megabytes.")] = 500.0
+    fields: Annotated[
+        str,
+        tyro.conf.arg(metavar="FILE.toml"),
+        Doc(
+            "What every report begins with: firm, surveyor, instrument, logo; readings and photos belong to one stair."
+        ),
+    ] = ""
 
 
 @dataclass(frozen=True)
@@ -246,6 +253,7 @@ def _view(args: list[str]) -> int:
     check_system_libraries()
     if view.project_dir:
         _check_folder(Path(view.project_dir), "--project-dir")
+    basis = _basis_of_all(Path(view.fields)) if view.fields else None
     found = find_scans(view.scans or [sample_scans()])
     # Folders are handed over as such: the page looks into them again.
     paths = list(view.scans) or sorted(found, key=lambda path: path.stem != DEFAULT_SAMPLE)
@@ -263,6 +271,7 @@ def _view(args: list[str]) -> int:
             project_dir=Path(view.project_dir) if view.project_dir else None,
             saves_projects=view.autosave,
             upload_limit_mb=view.upload_limit_mb,
+            basis=basis,
         )
         # A wildcard is no address that a browser could open.
         host = "127.0.0.1" if view.host in ("0.0.0.0", "::") else view.host
@@ -287,6 +296,19 @@ def _view(args: list[str]) -> int:
         if app is not None:
             app.stop()
     return 0
+
+
+def _basis_of_all(path: Path) -> "ReportBasis":
+    """Return what the reports on all stairs begin with."""
+    from stair_inspector.report.fields import read_basis
+
+    basis = read_basis(path)
+    for name, entries in (("readings", basis.readings), ("photos", basis.photos)):
+        if entries:
+            raise ConfigError(
+                f"view: {path}: {name} belong to one stair; give them to measure --report, or on the page"
+            )
+    return basis
 
 
 def _measure(args: list[str]) -> int:

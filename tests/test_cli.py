@@ -656,6 +656,21 @@ def test_a_missing_file(run, tmp_path, monkeypatch, command):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("[fields]\nfirma = 'A'", "[fields]: unknown key 'firma'; did you mean 'firm'?"),
+        ("[[readings]]\nquantity = 'rise'\nstep = 1\nvalue = 170\nunit = 'mm'", "readings belong to one stair"),
+    ],
+)
+def test_what_the_reports_of_a_page_begin_with_is_checked_before_it_opens(run, stair_file, tmp_path, text, sentence):
+    path = tmp_path / "firm.toml"
+    path.write_text(text, encoding="utf-8")
+    line = refusal(run, "view", stair_file, "--no-browser", "--fields", path)
+    assert str(path) in line
+    assert sentence in line
+
+
 def test_a_folder_without_scans(run, tmp_path):
     (tmp_path / "notes.txt").write_text("nothing")
     code, out, err = run("measure", tmp_path, "-o", tmp_path / "out")

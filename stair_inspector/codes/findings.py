@@ -1,10 +1,12 @@
 """What a check says: findings of the rules of a set, and whether the scan is good enough to judge them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from typing import Literal
 
-from stair_inspector.codes.rules import Limit, Rule, RuleSet
+from stair_inspector.codes.rules import Limit, Rule, RuleEdit, RuleSet, Side
+from stair_inspector.codes.words import shown
 
 Decision = Literal["guarded", "simple"]
 
@@ -19,6 +21,10 @@ DECISIONS: dict[str, str] = {
     ),
 }
 """The decision rules, in words to be printed with every check."""
+
+
+FIT_SHARE = 0.5
+"""A check is fit when U is at most half the tolerance: what is as intended can then be found within, not close."""
 
 
 class Verdict(Enum):
@@ -92,6 +98,13 @@ class Finding:
     applies: bool = True
 
     @property
+    def side(self) -> Side | None:
+        """Which of the rule's limits ``limit`` is."""
+        if self.limit is None:
+            return None
+        return "minimum" if self.limit is self.rule.minimum else "maximum"
+
+    @property
     def is_open(self) -> bool:
         """Whether the rule applies, or may, and nothing is said of it: no pass."""
         return self.applies and self.verdict in (Verdict.NOT_MEASURED, Verdict.NOT_JUDGED)
@@ -101,15 +114,27 @@ class Finding:
 class Fit:
     """Is the scan good enough for this rule? ``u``, the largest of its values', is held against ``tolerance``.
 
+    ``sentence`` says it, with ``{u}`` and ``{most}``, the largest that ``u`` may be, where :meth:`said` writes sizes.
     ``is_fit`` is None where there is nothing to say: nothing was measured, or the rule has no number. With a
     ``tolerance`` it is None where it cannot be said: of a difference whose registration is not stated.
     """
 
     rule_id: str
-    words: str
+    quantity: str
+    sentence: str
     is_fit: bool | None
     u: float | None = None
     tolerance: float | None = None
+
+    @property
+    def words(self) -> str:
+        """The answer as a sentence, sizes in the unit in which the rule's quantity is shown."""
+        return self.said(lambda size: shown(self.quantity, size))
+
+    def said(self, write: Callable[[float], str]) -> str:
+        """Return the answer as a sentence; ``write`` gives the words for a size of the rule's quantity, SI."""
+        sizes = {"u": self.u, "most": None if self.tolerance is None else FIT_SHARE * self.tolerance}
+        return self.sentence.format(**{name: "" if size is None else write(size) for name, size in sizes.items()})
 
     @property
     def short(self) -> str:
@@ -143,6 +168,11 @@ class Check:
     def of_rule(self, rule_id: str) -> tuple[Finding, ...]:
         """Return the findings of one rule, in the order of flights and steps."""
         return tuple(found for found in self.findings if found.rule.rule_id == rule_id)
+
+    def edit_behind(self, found: Finding) -> RuleEdit | None:
+        """Return the user's change of the limit that a finding is held against; None where that is the file's own."""
+        side = found.side
+        return None if side is None else self.rule_set.edit_of(found.rule.rule_id, side)
 
     def of_step(self, step_id: int) -> tuple[Finding, ...]:
         """Return the findings in which a step takes part."""

@@ -1,13 +1,15 @@
 """Is each value inside its limit? An inspection held against a rule set, finding by finding."""
 
+import functools
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import get_args
 
-from stair_inspector.codes.findings import Check, Decision, Finding, Fit, Verdict
+from stair_inspector.codes.findings import FIT_SHARE, Check, Decision, Finding, Fit, Verdict
 from stair_inspector.codes.quantities import difference, spread, step_value, total, usable
 from stair_inspector.codes.rules import LENGTH_UNITS, QUANTITIES, Limit, Rule, RuleSet
+from stair_inspector.codes.text import limits_text
 from stair_inspector.codes.words import shown
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Flight, Inspection, Measured, Step
@@ -19,10 +21,9 @@ _LANDINGS_TOO = ("rise",)
 _CHAINED = ("rise", "going")
 """Quantities from nosing to nosing, so that neighbours share one."""
 _DIFFERENCES = ("flight_range", "adjacent_difference")
-_FIT_SHARE = 0.5
-"""A check is fit when U is at most half the tolerance: what is as intended can then be found within, not close."""
 _SIZE_SHARE = 0.1
-"""What a size without a second limit is held against: this share of its limit. A convention of this program."""
+"""A size is held against this share of its limit, the smaller of two, and against the room between two where that is
+less. A convention of this program: the room alone, 3 in for a riser of 4 to 7 in, would call any scan good enough."""
 _SIZES = ("rise", "going", "tread_depth", "width", "pitch", "two_r_plus_g", "flight_rise")
 """Quantities that are intended to be far from zero; of the others, as of every spread, the intended value is zero."""
 _WINDING = "winders and spirals are not judged: codes measure them on a walking line of their own"
@@ -88,7 +89,7 @@ def check(inspection: Inspection, rule_set: RuleSet, decision: Decision = "guard
         findings += found
         fits.append(_fit_of(rule, found, inspection.params.uncertainty.registration_m))
         if rule.from_scan == "no":
-            unseen.append(f"{rule.term}, {rule.limit_text} ({rule.clause})")
+            unseen.append(f"{rule.term}, {limits_text(rule_set, rule)} ({rule.clause})")
     notes = tuple(dict.fromkeys(note.message for note in inspection.notes if note.code in _TELLING_NOTES))
     partly = [f"{rule.term}: {rule.note}" for rule in rule_set.rules if rule.from_scan == "partly" and rule.note]
     if any(rule.quantity == "two_r_plus_g" for rule in rule_set.rules) and judge.has_landings:
@@ -156,9 +157,7 @@ class _Judge:
             return [self._nowhere(rule, flight)]
         if rule.statistic == "each":
             places = [self._of_step(rule, flight, step) for step in chosen]
-            if rule.quantity == "rise" and not _has_upper_end(self._steps_of(flight)):
-                places.append(_Place(flight.flight_id, (), None, _above(chosen[-1])))
-            return places
+            return places + self._unseen_riser(rule, flight, chosen[-1])
         if rule.statistic == "adjacent_difference":
             return self._differences(rule, flight, chosen)
         return [self._spread(rule, flight, chosen)]
@@ -246,10 +245,17 @@ class _Judge:
                 measured = difference(b, a, rule.quantity in _CHAINED)
                 is_doubtful = None in (self._applies(rule, lower), self._applies(rule, upper))
                 places.append(_Place(flight.flight_id, pair, measured, is_doubtful=is_doubtful))
+        places += self._unseen_riser(rule, flight, steps[-1])
         if not places:
             reason = _SINGLE if len(steps) == 1 else _NO_NEIGHBOURS
             return [_Place(flight.flight_id, (), None, reason, applies=False)]
         return places
+
+    def _unseen_riser(self, rule: Rule, flight: Flight, last: Step) -> list[_Place]:
+        """Return the place of the riser above the last step where the flight's upper end was not seen."""
+        if rule.quantity != "rise" or _has_upper_end(self._steps_of(flight)):
+            return []
+        return [_Place(flight.flight_id, (), None, _above(last))]
 
     def _spread(self, rule: Rule, flight: Flight, steps: Sequence[Step]) -> _Place:
         known = [(step, value) for step in steps if (value := step_value(step, rule.quantity)) is not None]
@@ -257,6 +263,17 @@ class _Judge:
         reason = self._why_partial(rule, flight, missing, len(known))
         if len(known) < 2:
             return _Place(flight.flight_id, (), None, reason or _SINGLE, applies=bool(reason))
+        whole = self._spread_of(rule, flight, known, reason)
+        certain = [(step, value) for step, value in known if self._applies(rule, step)]
+        if whole.is_doubtful and len(certain) > 1:
+            # Steps of which it is not certain that the clause applies do not excuse the others.
+            sure = self._spread_of(rule, flight, certain, reason)
+            if self._judged(rule, sure).verdict.is_outside:
+                return sure
+        return whole
+
+    def _spread_of(self, rule: Rule, flight: Flight, known: Sequence[tuple[Step, Measured]], reason: str) -> _Place:
+        """Return the largest less the smallest of the values of two steps or more."""
         measured, u_down, at = spread([value for _, value in known], rule.quantity in _CHAINED)
         extremes = [known[position][0] for position in sorted(at)]
         return _Place(
@@ -419,23 +436,21 @@ def _fit_of(rule: Rule, findings: Sequence[Finding], registration_m: float) -> F
     the user has stated none, a U that looks small enough says nothing.
     """
     doubts = [u for found in findings if (u := found.u if found.u_fit is None else found.u_fit) is not None]
+    made = functools.partial(Fit, rule.rule_id, rule.quantity)
     if rule.from_scan == "no":
-        return Fit(rule.rule_id, "not assessed from a scan", None)
+        return made("not assessed from a scan", None)
     if not doubts:
-        return Fit(rule.rule_id, "nothing was measured or judged", None)
+        return made("nothing was measured or judged", None)
     u = max(doubts)
     if rule.severity == "report_only":
-        return Fit(rule.rule_id, f"reported only, U up to {shown(rule.quantity, u)}", None, u)
+        return made("reported only, U up to {u}", None, u)
     if rule.quantity == "n_risers":
-        return Fit(rule.rule_id, "fit: a count", True, u)
+        return made("fit: a count", True, u)
     tolerance = _tolerance(rule)
     if tolerance == 0.0:
-        return Fit(
-            rule.rule_id, "not fit: what is intended lies on the limit, where no measurement decides", False, u, 0.0
-        )
-    is_fit: bool | None = u <= _FIT_SHARE * tolerance
-    most = shown(rule.quantity, _FIT_SHARE * tolerance)
-    words = f"U up to {shown(rule.quantity, u)}; this check needs at most {most}"
+        return made("not fit: what is intended lies on the limit, where no measurement decides", False, u, 0.0)
+    is_fit: bool | None = u <= FIT_SHARE * tolerance
+    words = "U up to {u}; this check needs at most {most}"
     if rule.statistic in _DIFFERENCES and QUANTITIES[rule.quantity] == LENGTH_UNITS:
         stated = f"is stated as {1000.0 * registration_m:g} mm" if registration_m else "is not stated"
         words += f"; registration from step to step {stated}"
@@ -444,11 +459,11 @@ def _fit_of(rule: Rule, findings: Sequence[Finding], registration_m: float) -> F
     if rule.from_scan == "partly":
         words += "; the scan shows only a part of what the clause limits"
     answer = {True: "fit", False: "not fit", None: "cannot be said"}[is_fit]
-    return Fit(rule.rule_id, f"{answer}: {words}", is_fit, u, tolerance)
+    return made(f"{answer}: {words}", is_fit, u, tolerance)
 
 
 def _tolerance(rule: Rule) -> float:
-    """Return what U is held against: the room between the limits, for a size no more than a tenth of the limit."""
+    """Return what U is held against: the room between the limits, for a size at most a tenth of the smaller limit."""
     low, high = (None if limit is None else limit.value for limit in (rule.minimum, rule.maximum))
     if rule.statistic in _DIFFERENCES or rule.quantity not in _SIZES:
         return (low or 0.0) if high is None else high - (low or 0.0)

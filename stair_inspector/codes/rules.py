@@ -63,6 +63,7 @@ _PLAIN = r"[0-9]{1,6}(?:\.[0-9]{1,9})?"
 _NUMBER = re.compile(
     rf"(?:(?P<whole>[0-9]{{1,6}}) )?(?P<over>[0-9]{{1,6}})/(?P<under>[0-9]{{1,6}})|(?P<plain>{_PLAIN})"
 )
+_LONG = re.compile(r"[0-9]{7}|\.[0-9]{10}")
 _SLOPE = re.compile(rf"1:(?P<run>{_PLAIN})")
 _ID = re.compile(r"[a-z0-9](?:[a-z0-9.-]{0,79})")
 _TEXT_LIMIT = 2000
@@ -95,6 +96,8 @@ def parse_written(written: str, unit: str) -> Fraction:
             raise ConfigError(f"{written[:40]!r} is no slope; write it as 1:48")
         return 1 / Fraction(slope["run"])
     number = _NUMBER.fullmatch(written)
+    if number is None and _LONG.search(written) is not None:
+        raise ConfigError(f"{written[:40]!r} has too many digits; give at most six, and nine after the point")
     if number is None or (number["under"] is not None and not int(number["under"])):
         raise ConfigError(f"{written[:40]!r} is no number; write it as 11, 16.5, 3/8 or 7 3/4")
     if number["plain"] is not None:
@@ -315,6 +318,12 @@ class RuleSet:
         return answer if self.is_shipped else f"{OWN_FILE}; limits edited afterwards: {answer}"
 
     @property
+    def n_changed(self) -> int:
+        """How many limits are other ones than those of the files."""
+        sides = dict.fromkeys((edit.rule_id, edit.side) for edit in self.edits)
+        return sum(self.edit_of(*side) is not None for side in sides)
+
+    @property
     def grades(self) -> str:
         """The grades of its records, best first: ``P``, ``PS``, ``SG`` ..."""
         return "".join(grade for grade in GRADES if any(rule.grade == grade for rule in self.rules))
@@ -337,6 +346,20 @@ class RuleSet:
                 return rule
         known = ", ".join(rule.rule_id for rule in self.rules)
         raise ConfigError(f"rule set {self.set_id}: has no rule {rule_id[:80]!r}; its rules are {known}")
+
+    def edit_of(self, rule_id: str, side: Side) -> RuleEdit | None:
+        """Return what the changes of a limit come to: from the file's to the present one, with the last reason.
+
+        None where the limit is that of the file, also after it was changed and changed back.
+        """
+        own = [edit for edit in self.edits if (edit.rule_id, edit.side) == (rule_id, side)]
+        if not own or own[0].before == own[-1].after:
+            return None
+        return replace(own[-1], before=own[0].before)
+
+    def is_changed(self, rule_id: str) -> bool:
+        """Whether a limit of a rule is another one than that of the file."""
+        return any(self.edit_of(rule_id, side) is not None for side in get_args(Side))
 
 
 def edited(rule_set: RuleSet, rule_id: str, side: Side, limit: Limit | None, reason: str) -> RuleSet:
@@ -424,4 +447,6 @@ def _check_member(place: str, value: str, known: tuple[str, ...]) -> None:
 def _check_unit(place: str, quantity: str, limit: Limit) -> None:
     if limit.unit not in QUANTITIES[quantity]:
         fitting = ", ".join(QUANTITIES[quantity])
+        if limit.unit == "count":
+            raise ConfigError(f"{place}: {limit.written} has no unit; write one of {fitting} after it")
         raise ConfigError(f"{place}: {limit.as_written} is no limit of {quantity}; its units are {fitting}")

@@ -5,8 +5,8 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 
 from stair_inspector.codes.findings import DECISIONS, Check, Finding, Verdict, gravest
-from stair_inspector.codes.rules import GRADES, OWN_FILE, Rule, RuleSet
-from stair_inspector.codes.words import display_of, shown
+from stair_inspector.codes.rules import GRADES, OWN_FILE, Limit, Rule, RuleSet
+from stair_inspector.codes.words import display_of, shown, u_text
 
 _STATISTICS = {
     "each": "each step",
@@ -35,28 +35,58 @@ def verdict_sentence(check: Check) -> str:
     close = [found for found in limits if found.verdict is Verdict.OUTSIDE_CLOSE]
     warned = [found for found in check.findings if found.verdict.is_outside and found.rule.severity == "advisory"]
     unsure = [found for found in check.findings if found.is_open]
+    title = check.rule_set.title + (" and its overlays" if check.rule_set.overlays else "")
     parts = []
     if outside or close:
-        overlays = "" if not check.rule_set.overlays else " and its overlays"
-        listed = f"({check.rule_set.title}{overlays})"
-        if outside:
-            parts.append(f"outside the limits listed in {_clauses(outside)} {listed}")
-        if close:
-            words = f"outside, but by less than U, the limits listed in {_clauses(close)}"
-            parts.append(words if outside else f"{words} {listed}")
-    elif check.is_judged:
-        parts.append(f"nothing that was measured is outside a limit of {check.rule_set.set_id}")
+        parts += [*_beyond(check, outside, "outside"), *_beyond(check, close, "outside, but by less than U,")]
+        parts[0] += f" ({title})"
+    elif any(found.verdict.is_within for found in limits):
+        parts.append(f"nothing that was measured is outside a limit of {title}")
     else:
-        parts.append(f"nothing could be judged against {check.rule_set.set_id}")
+        parts.append(f"nothing could be judged against a limit of {title}")
+    near = sum(found.verdict is Verdict.WITHIN_CLOSE for found in limits)
+    if near:
+        parts.append(f"{near} value{' is' if near == 1 else 's are'} within, but nearer to a limit than U")
     if warned:
         parts.append(f"outside the advice of {_clauses(warned)}")
-    if any(found.verdict is Verdict.NOT_MEASURED for found in unsure):
+    parts += _without_number(check)
+    if unsure and all(found.flight is None for found in unsure):
+        # One reason, such as no staircase, stands for all rules: no count of values says more.
+        reasons = dict.fromkeys(found.reason.partition(": ")[0] for found in unsure)
+        parts.append(f"nothing was measured, which is no pass: {', '.join(reasons)}")
+    elif any(found.verdict is Verdict.NOT_MEASURED for found in unsure):
         count = sum(found.verdict is Verdict.NOT_MEASURED for found in unsure)
         parts.append(f"{count} value{' was' if count == 1 else 's were'} not measured, which is no pass")
     if any(found.verdict is Verdict.NOT_JUDGED for found in unsure):
         parts.append("what was not judged is no pass either")
+    if check.rule_set.n_changed:
+        count = check.rule_set.n_changed
+        parts.append(f"{count} limit{' was' if count == 1 else 's were'} changed by the user")
     sentence = "; ".join(parts)
     return sentence[0].upper() + sentence[1:] + "."
+
+
+def _beyond(check: Check, found: Sequence[Finding], how: str) -> Iterable[str]:
+    """Say beyond which clauses' limits values are; a limit that the user has set is none that a clause lists."""
+    listed = [each for each in found if check.edit_behind(each) is None]
+    own = [each for each in found if check.edit_behind(each) is not None]
+    if listed:
+        yield f"{how} the limits listed in {_clauses(listed)}"
+    if own:
+        yield f"{how} limits set by the user in place of those of {_clauses(own)}"
+
+
+def _without_number(check: Check) -> Iterable[str]:
+    """Say the largest value of every clause that asks for something and gives no number: no tick stands for it."""
+    told: dict[str, list[str]] = {}
+    for rule in check.rule_set.rules:
+        values = [found for found in check.of_rule(rule.rule_id) if found.value is not None]
+        if rule.minimum is None and rule.maximum is None and values:
+            found = max(values, key=lambda each: abs(each.value or 0.0))
+            words = f"{rule.term}: {value_text(found)}, {place_text(found)}"
+            told.setdefault(rule.clause, []).append(words)
+    for clause, parts in told.items():
+        yield f"{clause} gives no number for {', nor for '.join(parts)}, which is for the inspector to judge"
 
 
 def rule_sets_text(rule_sets: Sequence[RuleSet]) -> str:
@@ -84,14 +114,29 @@ def rule_set_text(rule_set: RuleSet) -> str:
 
 
 def value_text(found: Finding) -> str:
-    """Return a finding's value with its uncertainty and unit: ``192.91 ± 0.13 mm``; a dash where there is none."""
+    """Return a finding's value with its uncertainty and unit: ``192.9 ± 0.1 mm``; a dash where there is none.
+
+    The value is rounded where its uncertainty is, as a report does.
+    """
     if found.value is None:
         return "-"
-    scale, unit, digits = display_of(found.rule.quantity)
     if not found.u:
         return shown(found.rule.quantity, found.value)
+    scale, unit, _ = display_of(found.rule.quantity)
+    u = u_text(scale * found.u)
+    digits = len(u.partition(".")[2])
     gap = "" if unit == "°" else " "
-    return f"{scale * found.value:.{digits}f} ± {scale * found.u:.{digits}f}{gap}{unit}"
+    return f"{round(scale * found.value, digits) + 0.0:.{digits}f} ± {u}{gap}{unit}"
+
+
+def limit_words(limit: Limit | None) -> str:
+    """Return a limit for people; ``no limit`` where there is none."""
+    return "no limit" if limit is None else limit.text
+
+
+def limits_text(rule_set: RuleSet, rule: Rule) -> str:
+    """Return a rule's limits for people, with a mark where the user has changed one: it is none of the clause."""
+    return f"{rule.limit_text} (edited)" if rule_set.is_changed(rule.rule_id) else rule.limit_text
 
 
 def place_text(found: Finding) -> str:
@@ -110,8 +155,8 @@ def _head_of(check: Check) -> Iterable[str]:
     for overlay in rule_set.overlays:
         yield f"  with the overlay {overlay}"
     for edit in rule_set.edits:
-        before, after = ("none" if limit is None else limit.text for limit in (edit.before, edit.after))
-        yield f"  edited by the user: {edit.rule_id}, {edit.side} {before} became {after}: {edit.reason}"
+        change = f"{edit.side} {limit_words(edit.before)} became {limit_words(edit.after)}"
+        yield f"  edited by the user: {edit.rule_id}, {change}: {edit.reason}"
     if not rule_set.is_edited:
         yield f"  edited by the user: {rule_set.edited_words}"
     elif not rule_set.is_shipped:
@@ -121,7 +166,8 @@ def _head_of(check: Check) -> Iterable[str]:
 
 def _rows_of(check: Check) -> list[Sequence[str]]:
     rows: list[Sequence[str]] = [("rule", "clause", "limit", "value that decides", "margin", "at", "scan", "result")]
-    for rule, fit in zip(check.rule_set.rules, check.fits, strict=True):
+    rule_set = check.rule_set
+    for rule, fit in zip(rule_set.rules, check.fits, strict=True):
         findings = check.of_rule(rule.rule_id)
         worst = gravest(findings)
         has_margin = worst.margin is not None and worst.verdict is not Verdict.REPORTED
@@ -130,7 +176,7 @@ def _rows_of(check: Check) -> list[Sequence[str]]:
             (
                 rule.rule_id,
                 rule.clause,
-                rule.limit_text,
+                limits_text(rule_set, rule),
                 _value_of(worst),
                 margin,
                 place_text(worst),
@@ -162,10 +208,12 @@ def _outside(check: Check) -> Iterable[str]:
     for found in check.findings:
         if found.verdict.is_outside and found.limit is not None and found.margin is not None:
             less = ", which is less than U" if found.verdict is Verdict.OUTSIDE_CLOSE else ""
-            side = "at least" if found.limit is found.rule.minimum else "at most"
+            side = "at least" if found.side == "minimum" else "at most"
+            edit = check.edit_behind(found)
             yield (
                 f"{found.rule.term}, {place_text(found)}: {value_text(found)}, outside by "
                 f"{gap_text(found.rule, -found.margin)}{less}; {found.rule.clause}: {side} {found.limit.text}"
+                + ("" if edit is None else f", set by the user in place of {limit_words(edit.before)}")
                 + (f" (for {found.rule.applies})" if found.rule.applies else "")
                 + (f"; {found.reason}" if found.reason else "")
             )

@@ -23,6 +23,13 @@ def display_of(quantity: str) -> Display:
     return _DISPLAYS.get(quantity, _LENGTH)
 
 
+def u_text(u: float) -> str:
+    """Return an uncertainty, in its display unit, with the digits that mean something; never a zero that is none."""
+    if u == 0.0 or u >= 9.95:
+        return f"{u:.0f}"
+    return f"{u:.1f}" if u >= 0.095 else f"{max(u, 0.01):.2f}"
+
+
 def shown(quantity: str, value: float) -> str:
     """Return a value with its unit: ``170.08 mm``, ``32.40°``, ``2.08 %``, ``9``."""
     scale, unit, digits = display_of(quantity)

@@ -85,9 +85,6 @@ def _condition_record(condition: Condition | None) -> dict[str, Any] | None:
 
 
 def _finding_record(found: Finding) -> dict[str, Any]:
-    side = None
-    if found.limit is not None:
-        side = "minimum" if found.limit is found.rule.minimum else "maximum"
     return {
         "rule": found.rule.rule_id,
         "flight": found.flight,
@@ -96,7 +93,7 @@ def _finding_record(found: Finding) -> dict[str, Any]:
         "value": found.value,
         "u": found.u,
         "margin": found.margin,
-        "limit": side,
+        "limit": found.side,
         "reason": found.reason,
     }
 

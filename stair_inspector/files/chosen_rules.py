@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any, get_args
 
 from stair_inspector.codes import Decision, Limit, Rule, RuleEdit, RuleSet, edited, overlaid
-from stair_inspector.codes.rules import Side, check_id
+from stair_inspector.codes.rules import QUANTITIES, Side, check_id
+from stair_inspector.codes.text import limit_words
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.rule_sets import list_rule_sets, parse_rule_set
 from stair_inspector.files.toml import check_keys
@@ -21,7 +22,9 @@ _MOST_FILES = 20
 _MOST_OVERLAYS = 20
 _MOST_EDITS = 500
 _LONGEST_NAME = 200
+_MOST_LEFT = 200
 _KEYS = ("set", "overlays", "decision", "edits", "files")
+_LATER_KEYS = ("left",)
 _EDIT_KEYS = ("rule", "side", "before", "after", "reason")
 
 
@@ -76,17 +79,26 @@ class RuleFile:
 
 
 @dataclass(frozen=True, slots=True)
+class LeftEdits:
+    """Changes of the limits of a set that is not chosen now, oldest first; they come back with it."""
+
+    set_id: str
+    edits: tuple[RuleEdit, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ChosenRules:
     """The rules that an inspection is held against.
 
     ``set_id`` is that of a full set, empty for no check; ``edits`` are changes of its limits and of its overlays',
-    oldest first; ``files`` the user's own rule files, chosen or not.
+    oldest first; ``files`` the user's own rule files, chosen or not; ``left`` what was changed of other sets.
 
     Raises
     ------
     ConfigError
-        Not an id, an unknown decision rule, two own files of one id, or too many of anything. Whether the ids are
-        known is said by :func:`rule_set_of`: another version of the program may have other sets.
+        Not an id, an unknown decision rule, two own files of one id, changes of one set left twice or of the chosen
+        one, or too many of anything. Whether the ids are known is said by :func:`rule_set_of`: another version of the
+        program may have other sets.
     """
 
     set_id: str = ""
@@ -94,6 +106,7 @@ class ChosenRules:
     decision: Decision = "guarded"
     edits: tuple[RuleEdit, ...] = ()
     files: tuple[RuleFile, ...] = ()
+    left: tuple[LeftEdits, ...] = ()
 
     def __post_init__(self) -> None:
         if self.set_id != "":
@@ -104,9 +117,18 @@ class ChosenRules:
             raise ConfigError(
                 f"rules: decision: got {brief(self.decision)}; give one of {', '.join(get_args(Decision))}"
             )
-        for name, most in (("overlay_ids", _MOST_OVERLAYS), ("edits", _MOST_EDITS), ("files", _MOST_FILES)):
+        limits = (("overlay_ids", _MOST_OVERLAYS), ("edits", _MOST_EDITS), ("files", _MOST_FILES), ("left", _MOST_LEFT))
+        for name, most in limits:
             if len(getattr(self, name)) > most:
                 raise ConfigError(f"rules: {len(getattr(self, name))} {name}; keep at most {most}")
+        seen = {self.set_id}
+        for each in self.left:
+            check_id("rules: left: set", each.set_id)
+            if each.set_id in seen or not 0 < len(each.edits) <= _MOST_EDITS:
+                raise ConfigError(
+                    f"rules: left: the changes of {each.set_id} are none, too many, or there already; remove them"
+                )
+            seen.add(each.set_id)
         own = [file.rule_set.set_id for file in self.files]
         twice = next((set_id for set_id in own if own.count(set_id) > 1), None)
         if twice is not None:
@@ -137,14 +159,63 @@ def rule_set_of(chosen: ChosenRules) -> RuleSet | None:
     for overlay_id in chosen.overlay_ids:
         made = overlaid(made, known[overlay_id])
     for edit in chosen.edits:
-        now = limit_of(made.rule(edit.rule_id), edit.side)
-        if now != edit.before:
-            raise ConfigError(
-                f"rules: the {edit.side} of {edit.rule_id} was {_words(edit.before)} when it was changed and is "
-                f"{_words(now)} in {made.file}; take that change back and make it again"
-            )
-        made = edited(made, edit.rule_id, edit.side, edit.after, edit.reason)
+        made = _edited_again(made, edit)
     return made
+
+
+def is_usable(chosen: ChosenRules) -> bool:
+    """Tell whether :func:`rule_set_of` can make the chosen rules."""
+    try:
+        rule_set_of(chosen)
+    except ConfigError:
+        return False
+    return True
+
+
+def with_set(chosen: ChosenRules, set_id: str, overlay_ids: tuple[str, ...] = ()) -> ChosenRules:
+    """Return the choice with another full set, or none for an empty id, and these overlays.
+
+    Changed limits stay with the set that is left; those of the new one come back as far as they still fit it.
+
+    Raises
+    ------
+    ConfigError
+        As :func:`rule_set_of`.
+    """
+    left = {each.set_id: each.edits for each in chosen.left}
+    if chosen.set_id and chosen.edits:
+        left[chosen.set_id] = chosen.edits
+    edits = left.pop(set_id, ())
+    others = tuple(LeftEdits(*each) for each in left.items())
+    return with_fitting(
+        dataclasses.replace(chosen, set_id=set_id, overlay_ids=overlay_ids, edits=(), left=others), edits
+    )
+
+
+def with_fitting(chosen: ChosenRules, edits: Iterable[RuleEdit]) -> ChosenRules:
+    """Return the choice with those of the changes that fit its rules: the rule is there, with the limit it had.
+
+    Raises
+    ------
+    ConfigError
+        As :func:`rule_set_of`.
+    """
+    made = rule_set_of(dataclasses.replace(chosen, edits=()))
+    kept: list[RuleEdit] = []
+    for edit in edits:
+        if made is None:
+            break
+        try:
+            made = _edited_again(made, edit)
+        except ConfigError:
+            continue
+        kept.append(edit)
+    return dataclasses.replace(chosen, edits=tuple(kept))
+
+
+def n_edits(chosen: ChosenRules) -> int:
+    """Return how many changes of limits a choice holds, those of sets that are not chosen too."""
+    return len(chosen.edits) + sum(len(each.edits) for each in chosen.left)
 
 
 def with_edit(chosen: ChosenRules, rule_id: str, side: Side, limit: Limit | None, reason: str) -> ChosenRules:
@@ -153,13 +224,16 @@ def with_edit(chosen: ChosenRules, rule_id: str, side: Side, limit: Limit | None
     Raises
     ------
     ConfigError
-        No set is chosen, the limit is what it was, or as :func:`stair_inspector.codes.edited`.
+        No set is chosen, the limit is what it was, none would be left, the minimum would be above the maximum, or as
+        :func:`stair_inspector.codes.edited`.
     """
     made = rule_set_of(chosen)
     if made is None:
         raise ConfigError("edit a limit: choose a rule set first")
-    if limit_of(made.rule(rule_id), side) == limit:
-        raise ConfigError(f"edit a limit: the {side} of {rule_id} is {_words(limit)} already")
+    rule = made.rule(rule_id)
+    if limit_of(rule, side) == limit:
+        raise ConfigError(f"edit a limit: the {side} of {rule_id} is {limit_words(limit)} already")
+    _check_sides(rule, side, limit)
     return dataclasses.replace(chosen, edits=edited(made, rule_id, side, limit, reason).edits)
 
 
@@ -184,22 +258,18 @@ def limit_of(rule: Rule, side: Side) -> Limit | None:
 
 def chosen_to_dict(chosen: ChosenRules) -> dict[str, Any]:
     """Return a choice as the plain values of a project file."""
-    return {
+    values: dict[str, Any] = {
         "set": chosen.set_id,
         "overlays": list(chosen.overlay_ids),
         "decision": chosen.decision,
-        "edits": [
-            {
-                "rule": edit.rule_id,
-                "side": edit.side,
-                "before": _limit_to_dict(edit.before),
-                "after": _limit_to_dict(edit.after),
-                "reason": edit.reason,
-            }
-            for edit in chosen.edits
-        ],
+        "edits": [_edit_to_dict(edit) for edit in chosen.edits],
         "files": [{"name": file.name, "text": file.text} for file in chosen.files],
     }
+    if chosen.left:
+        values["left"] = [
+            {"set": each.set_id, "edits": [_edit_to_dict(edit) for edit in each.edits]} for each in chosen.left
+        ]
+    return values
 
 
 def chosen_from_dict(values: object, place: str = "rules") -> ChosenRules:
@@ -210,17 +280,20 @@ def chosen_from_dict(values: object, place: str = "rules") -> ChosenRules:
     ConfigError
         An unknown or missing key (the nearest known name is given), or a value that is not possible.
     """
-    table = _table(values, place, _KEYS)
-    overlays, edits, files = (_list(table[name], f"{place}: {name}") for name in ("overlays", "edits", "files"))
-    for name, entries, most in (("edits", edits, _MOST_EDITS), ("files", files, _MOST_FILES)):
-        if len(entries) > most:
-            raise ConfigError(f"{place}: {len(entries)} {name}; keep at most {most}")
+    table = _table(values, place, _KEYS, _LATER_KEYS)
     return ChosenRules(
         set_id=table["set"],
-        overlay_ids=tuple(overlays),
+        overlay_ids=tuple(_list(table["overlays"], place, "overlays", _MOST_OVERLAYS)),
         decision=table["decision"],
-        edits=tuple(_to_edit(entry, f"{place}: edit {number}") for number, entry in enumerate(edits, 1)),
-        files=tuple(_to_file(entry, f"{place}: file {number}") for number, entry in enumerate(files, 1)),
+        edits=_to_edits(table["edits"], place),
+        files=tuple(
+            _to_file(entry, f"{place}: file {number}")
+            for number, entry in enumerate(_list(table["files"], place, "files", _MOST_FILES), 1)
+        ),
+        left=tuple(
+            _to_left(entry, f"{place}: left {number}")
+            for number, entry in enumerate(_list(table.get("left", []), place, "left", _MOST_LEFT), 1)
+        ),
     )
 
 
@@ -234,8 +307,43 @@ def _parsed(name: str, text: str) -> RuleSet:
     return parse_rule_set(text.encode("utf-8"), name)
 
 
-def _words(limit: Limit | None) -> str:
-    return "no limit" if limit is None else limit.text
+def _edited_again(rule_set: RuleSet, edit: RuleEdit) -> RuleSet:
+    now = limit_of(rule_set.rule(edit.rule_id), edit.side)
+    if now != edit.before:
+        raise ConfigError(
+            f"rules: the {edit.side} of {edit.rule_id} was {limit_words(edit.before)} when it was changed and is "
+            f"{limit_words(now)} in {rule_set.file}; take that change back and make it again"
+        )
+    return edited(rule_set, edit.rule_id, edit.side, edit.after, edit.reason)
+
+
+def _check_sides(rule: Rule, side: Side, limit: Limit | None) -> None:
+    """Raise ConfigError for a limit that does not go with the rule's other one, in words for who changes one limit."""
+    other_side: Side = "maximum" if side == "minimum" else "minimum"
+    other = limit_of(rule, other_side)
+    if limit is None and other is None and rule.severity != "report_only":
+        raise ConfigError(
+            f"edit a limit: {rule.rule_id} would be left without any; give a {side}, or give the {other_side} first"
+        )
+    if limit is None or other is None or not {limit.unit, other.unit} <= set(QUANTITIES[rule.quantity]):
+        return
+    is_crossed = limit.exact > other.exact if side == "minimum" else limit.exact < other.exact
+    if is_crossed:
+        relation = "above" if side == "minimum" else "below"
+        raise ConfigError(
+            f"edit a limit: a {side} of {limit.text} is {relation} the {other_side} of {rule.rule_id}, {other.text}; "
+            f"give another {side}, or change the {other_side} first"
+        )
+
+
+def _edit_to_dict(edit: RuleEdit) -> dict[str, Any]:
+    return {
+        "rule": edit.rule_id,
+        "side": edit.side,
+        "before": _limit_to_dict(edit.before),
+        "after": _limit_to_dict(edit.after),
+        "reason": edit.reason,
+    }
 
 
 def _limit_to_dict(limit: Limit | None) -> dict[str, str] | None:
@@ -252,6 +360,16 @@ def _to_limit(value: object, place: str) -> Limit | None:
         return Limit.of(table["written"], table["unit"])
     except ConfigError as error:
         raise ConfigError(f"{place}: {error}") from error
+
+
+def _to_edits(value: object, place: str) -> tuple[RuleEdit, ...]:
+    entries = _list(value, place, "edits", _MOST_EDITS)
+    return tuple(_to_edit(entry, f"{place}: edit {number}") for number, entry in enumerate(entries, 1))
+
+
+def _to_left(value: object, place: str) -> LeftEdits:
+    table = _table(value, place, ("set", "edits"))
+    return LeftEdits(table["set"], _to_edits(table["edits"], place))
 
 
 def _to_edit(value: object, place: str) -> RuleEdit:
@@ -274,18 +392,20 @@ def _to_file(value: object, place: str) -> RuleFile:
         raise ConfigError(f"{place}: {error}") from error
 
 
-def _table(value: object, place: str, keys: Iterable[str]) -> dict[str, Any]:
-    """Return a table that has exactly these keys."""
+def _table(value: object, place: str, keys: tuple[str, ...], later: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return a table that has these keys, and no others but the later ones."""
     if not isinstance(value, dict):
         raise ConfigError(f"{place}: got {brief(value)}; give a table with {', '.join(keys)}")
-    check_keys(place, value, keys)
+    check_keys(place, value, (*keys, *later))
     missing = [key for key in keys if key not in value]
     if missing:
         raise ConfigError(f"{place}: the key {missing[0]!r} is missing; give it, or another file")
     return value
 
 
-def _list(value: object, place: str) -> list[Any]:
+def _list(value: object, place: str, name: str, most: int) -> list[Any]:
     if not isinstance(value, list):
-        raise ConfigError(f"{place}: got {brief(value)}; give a list")
+        raise ConfigError(f"{place}: {name}: got {brief(value)}; give a list")
+    if len(value) > most:
+        raise ConfigError(f"{place}: {len(value)} {name}; keep at most {most}")
     return value

@@ -12,6 +12,7 @@ import numpy as np
 
 from stair_inspector.codes.findings import Check, Verdict, gravest
 from stair_inspector.codes.rules import Limit, Rule
+from stair_inspector.codes.text import limit_words
 from stair_inspector.model import Flight, Inspection, Measured, Statistics, Step
 from stair_inspector.report import svg
 from stair_inspector.report.nosing_line import NosingLine, nosing_line
@@ -31,6 +32,8 @@ _NEAR_MM = 45.0
 """A limit so near to the values is drawn; one farther away is named below the chart."""
 _HEADROOM = 0.16
 """Share of the plot that stays free above the highest value, for its words."""
+_WORDS_ABOVE, _WORDS_BELOW = 5.6, 1.8
+"""A line nearer to the base line of a value's words than this, above or below it, runs through or along them."""
 _ROOM_FOR_WORDS = 1.45
 """The scale of a nosing chart reaches so many times as far as its points, whose words stand beyond them."""
 _KEY = 10.5
@@ -201,7 +204,11 @@ def _step_chart(
         parts.append(_axis(scale, f"{quantity} [mm]"))
         parts += [_limit_line(limit, scale) for limit in near]
         parts += _flight_lines(inspection, quantity, row, scale)
-        parts += [_bar(bar, row.x(k), row.slot, scale) for k, bar in enumerate(row.bars)]
+        lines = _lines_behind(inspection, quantity, near, scale)
+        parts += [
+            _bar(bar, row.x(k), row.slot, scale, lines.get(bar.step.flight, lines[None]))
+            for k, bar in enumerate(row.bars)
+        ]
         parts += _brackets(inspection, quantity, check, row, scale)
     y = len(rows) * pitch + 2.0
     for words in _key_of(rows, near, far, check):
@@ -224,7 +231,27 @@ def _axis(scale: _Scale, title: str) -> str:
     return "".join(parts)
 
 
-def _bar(bar: _Bar, x: float, slot: float, scale: _Scale) -> str:
+def _lines_behind(
+    inspection: Inspection, quantity: Quantity, near: Sequence[_LimitLine], scale: _Scale
+) -> dict[int | None, list[float]]:
+    """Return where lines cross the bars of each flight: its limits and its mean, points from the top."""
+    limits = [scale.y(limit.limit.value * 1000.0) for limit in near]
+    found: dict[int | None, list[float]] = {None: limits}
+    for flight in inspection.flights:
+        statistics: Statistics | None = getattr(flight, quantity)
+        found[flight.flight_id] = limits + ([] if statistics is None else [scale.y(statistics.mean * 1000.0)])
+    return found
+
+
+def _free_of(lines: Sequence[float], base: float) -> float:
+    """Return the base line of a value's words, at or above a place, at which no line runs through them."""
+    for y in sorted(lines, reverse=True):
+        if base - _WORDS_ABOVE < y < base + _WORDS_BELOW:
+            base = y - _WORDS_BELOW
+    return base
+
+
+def _bar(bar: _Bar, x: float, slot: float, scale: _Scale, lines: Sequence[float]) -> str:
     bottom = scale.top + scale.plot
     number = svg.text(x, bottom + 9.0, bar.step.step_id, "middle", 7.0)
     if bar.measured is None:
@@ -255,7 +282,8 @@ def _bar(bar: _Bar, x: float, slot: float, scale: _Scale) -> str:
     high, low, cap = scale.y(value + u), scale.y(value - u), min(2.4, half)
     parts += [svg.line(x, low, x, high, svg.INK, 0.7)]
     parts += [svg.line(x - cap, y, x + cap, y, svg.INK, 0.7) for y in (low, high)]
-    parts.append(svg.text(x, high - 2.6, _value_text(value), "middle", 6.3, svg.INK, is_bold=is_outside, has_halo=True))
+    base = _free_of(lines, high - 2.6)
+    parts.append(svg.text(x, base, _value_text(value), "middle", 6.3, svg.INK, is_bold=is_outside, has_halo=True))
     mark = _mark(bar.verdict, x, bottom + 15.5) if bar.verdict is not None else ""
     told = f"<title>step {bar.step.step_id}: {_value_text(value)} ± {u_text(u)} mm</title>"
     return f'<g data-step="{bar.step.step_id}">{told}{"".join(parts)}{number}{mark}</g>'
@@ -373,15 +401,20 @@ def _key_of(
     general = "Whiskers: expanded uncertainty (k = 2). Dotted: mean of the flight. Δ: largest difference of neighbours"
     keys = [_Key([("", general + (", and those outside their limit (!)." if check is not None else "."))])]
     keys += [_Key(signs)] if signs else []
-    keys += [_Key([("", f"Limits: {check.rule_set.title}.")])] if check is not None and (near or far) else []
-    keys += [_Key([(limit.tag, _limit_words(limit))]) for limit in near]
-    keys += [_Key([("", f"{_limit_words(limit)}, lies beyond the scale")]) for limit in far]
+    if check is None or not (near or far):
+        return keys
+    changed = ", but for those set by the user" if check.rule_set.n_changed else ""
+    keys.append(_Key([("", f"Limits: {check.rule_set.title}{changed}.")]))
+    keys += [_Key([(limit.tag, _limit_words(limit, check))]) for limit in near]
+    keys += [_Key([("", f"{_limit_words(limit, check)}, lies beyond the scale")]) for limit in far]
     return keys
 
 
-def _limit_words(limit: _LimitLine) -> str:
+def _limit_words(limit: _LimitLine, check: Check) -> str:
     advice = ", advisory" if limit.rule.severity == "advisory" else ""
-    return f"{limit.side} {limit.limit.text}: {limit.rule.clause}, {limit.rule.term}{advice}"
+    edit = check.rule_set.edit_of(limit.rule.rule_id, limit.side)
+    own = "" if edit is None else f" (set by the user; the code: {limit_words(edit.before)})"
+    return f"{limit.side} {limit.limit.text}{own}: {limit.rule.clause}, {limit.rule.term}{advice}"
 
 
 def _hatch() -> str:

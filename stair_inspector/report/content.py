@@ -31,6 +31,7 @@ from stair_inspector.report.document import (
     plain,
 )
 from stair_inspector.report.fields import FIELD_GROUPS, ReportBasis, ReportFields
+from stair_inspector.report.note_words import note_words
 from stair_inspector.report.units import tidy
 
 _TITLE = "Stair survey report"
@@ -125,6 +126,9 @@ def _reference(fields: ReportFields) -> str:
 def _front(inspection: Inspection, check: Check | None, pictures: Pictures) -> list[Block]:
     status = None if check is None else wording.verdict_of(check)
     blocks: list[Block] = [Paragraph(wording.result_sentence(inspection, check), "lead")]
+    changed = "" if check is None else wording.changed_limits_sentence(check)
+    if changed:
+        blocks.append(Paragraph(changed))
     figures = _key_figures(inspection)
     if figures or status is not None:
         blocks.append(KeyFigures(figures, status))
@@ -177,11 +181,15 @@ def _summary(inspection: Inspection, check: Check | None) -> list[Block]:
         outside = wording.outside_sentences(check)
         if outside:
             blocks.append(Bullets(outside))
+        changed = wording.changed_limits_sentence(check)
+        if changed:
+            blocks.append(Paragraph(changed, "remark"))
     if inspection.flights:
         blocks.append(tables.flights_table(inspection))
-    if check is not None:
+    if check is not None and inspection.flights:
         blocks.append(rule_tables.results_table(check))
         blocks.append(Paragraph(_decision_words(check), "remark"))
+    # Where nothing was measured a row for each rule would say the same as all others.
     return blocks or [Paragraph(wording.result_sentence(inspection, check))]
 
 
@@ -192,7 +200,7 @@ def _decision_words(check: Check) -> str:
 def _identification(basis: ReportBasis, check: Check | None) -> list[Block]:
     groups = ("Report", "Object", "Survey", "Conditions", "Commission")
     blocks: list[Block] = [_facts(group, basis.fields) for group in groups]
-    code = "no rule set was applied" if check is None else plain(check.rule_set.title)
+    code = "no rule set was applied" if check is None else wording.code_words(check)
     last = blocks[-1]
     assert isinstance(last, Facts)
     blocks[-1] = dataclasses.replace(last, items=(*last.items[:-1], ("Reference code", code), last.items[-1]))
@@ -286,7 +294,7 @@ def _check(inspection: Inspection, check: Check | None) -> list[Block]:
     if inspection.flights:
         blocks.append(rule_tables.fits_table(check))
     if check.notes:
-        blocks.append(Bullets(tuple(plain(note) for note in check.notes)))
+        blocks.append(Bullets(tuple(note_words(note) for note in check.notes)))
     return blocks
 
 

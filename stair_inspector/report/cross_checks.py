@@ -2,15 +2,36 @@
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
 
 from stair_inspector.codes.quantities import combined, part_of
-from stair_inspector.model import Inspection, Measured
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.model import Inspection, Measured, Step
 from stair_inspector.report.cells import QUANTITY_WORDS, lengths, mm, with_u
 from stair_inspector.report.document import Cell, Column, Number, Status, Table, Tone, plain
 from stair_inspector.report.fields import ReportBasis, TapeReading
 from stair_inspector.report.values import flight_rise, flight_run, plane_to_plane
 
 _LINES = ("left", "centre", "right")
+_CLOSURE_DIGITS, _FINEST_DIGITS = 2, 6
+"""Decimals of a millimetre in the closure check: as many as are shown, and no more than are kept."""
+_SLIP_SHARE = 0.1
+"""Of a length: a reading that is farther from the scan is most likely one of another place or unit."""
+_LEAST_RISE_M = 0.1
+"""Taken for a rise that was not measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """A reading by hand beside the scan: metres or degrees, ``difference`` is by hand less scan."""
+
+    reading: TapeReading
+    place: str
+    scanned: Measured | None
+    difference: float | None
+    result: Status
 
 
 def closure_table(inspection: Inspection) -> Table:
@@ -19,8 +40,8 @@ def closure_table(inspection: Inspection) -> Table:
         Column("Flight", digits=0),
         *with_u("Sum of rises", "mm", 1),
         Column("Plane to plane", "mm", 1),
-        Column("Difference", "mm", 2),
-        Column("U of the difference", "mm", 2),
+        Column("Difference", "mm", _CLOSURE_DIGITS),
+        Column("U of the difference", "mm", _CLOSURE_DIGITS),
         Column("Result", width=2.0),
     )
     rows: list[tuple[Cell, ...]] = []
@@ -41,7 +62,7 @@ def closure_table(inspection: Inspection) -> Table:
                 flight.flight_id,
                 *lengths(rises),
                 mm(planes),
-                *lengths(difference),
+                *_told_apart(*lengths(difference)),
                 Status(words, "good" if is_closed else "close"),
             )
         )
@@ -63,6 +84,21 @@ def closure_table(inspection: Inspection) -> Table:
         "Nothing to close: no flight was measured.",
         tuple(tones),
     )
+
+
+def _told_apart(difference_mm: float | None, u_mm: float | None) -> tuple[Cell, Cell]:
+    """Return a difference and its uncertainty with the decimals that show which of them is the larger."""
+    if difference_mm is None or u_mm is None:
+        return difference_mm, u_mm
+    is_larger = abs(difference_mm) > u_mm
+    for digits in range(_CLOSURE_DIGITS, _FINEST_DIGITS):
+        if (round(abs(difference_mm), digits) > round(u_mm, digits)) is is_larger:
+            break
+    else:
+        digits = _FINEST_DIGITS
+    if digits == _CLOSURE_DIGITS:
+        return difference_mm, u_mm
+    return Number(difference_mm, digits), Number(u_mm, digits)
 
 
 def _of_the_ends(value_m: float, rises: Measured) -> Measured:
@@ -93,14 +129,13 @@ def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
     tones: list[tuple[int, Tone]] = []
     for reading in basis.readings:
         scale, unit, digits = (1000.0, "mm", 1) if reading.unit == "m" else (1.0, "°", 2)
-        scanned = scanned_value(inspection, reading)
-        difference = None if scanned is None else reading.value - scanned.value
-        result = _agreement(reading, scanned)
-        if result.tone == "bad":
+        found = compared(inspection, reading)
+        scanned, difference, result = found.scanned, found.difference, found.result
+        if result.tone in ("bad", "close"):
             tones.append((len(rows), result.tone))
         rows.append(
             (
-                _place_of(reading),
+                found.place,
                 QUANTITY_WORDS[reading.quantity],
                 unit,
                 Number(round(reading.value * scale, 6), digits),
@@ -109,7 +144,7 @@ def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
                 None if scanned is None else round(scanned.u * scale, 6),
                 None if difference is None else Number(round(difference * scale, 6), digits),
                 result,
-                "; ".join(plain(part) for part in (reading.instrument, reading.note) if part),
+                said_of(reading),
             )
         )
     note = (
@@ -130,20 +165,38 @@ def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
     )
 
 
-def scanned_value(inspection: Inspection, reading: TapeReading) -> Measured | None:
-    """Return the scan's value of what was read by hand, None where there is none."""
-    if reading.flight is not None:
-        flight = next((flight for flight in inspection.flights if flight.flight_id == reading.flight), None)
-        if flight is None:
-            return None
-        of_flight: Mapping[str, Callable[[], Measured | None]] = {
-            "flight_rise": lambda: flight_rise(inspection, flight),
-            "flight_run": lambda: flight_run(inspection, flight),
-            "pitch": lambda: flight.pitch_deg,
-            "width": lambda: flight.width_m,
-        }
-        return of_flight[reading.quantity]()
-    step = next((step for step in inspection.steps if step.step_id == reading.step), None)
+def compared(inspection: Inspection, reading: TapeReading) -> Compared:
+    """Compare a reading with the scan's value at its place."""
+    step = _step_of(inspection, reading)
+    scanned = _of_flight(inspection, reading) if reading.flight is not None else _of_step(step, reading)
+    return Compared(
+        reading,
+        _place_of(reading, step),
+        scanned,
+        None if scanned is None else reading.value - scanned.value,
+        _agreement(reading, step, scanned),
+    )
+
+
+def said_of(reading: TapeReading) -> str:
+    """Return the instrument and the note of a reading."""
+    return "; ".join(plain(part) for part in (reading.instrument, reading.note) if part)
+
+
+def _of_flight(inspection: Inspection, reading: TapeReading) -> Measured | None:
+    flight = next((flight for flight in inspection.flights if flight.flight_id == reading.flight), None)
+    if flight is None:
+        return None
+    of_flight: Mapping[str, Callable[[], Measured | None]] = {
+        "flight_rise": lambda: flight_rise(inspection, flight),
+        "flight_run": lambda: flight_run(inspection, flight),
+        "pitch": lambda: flight.pitch_deg,
+        "width": lambda: flight.width_m,
+    }
+    return of_flight[reading.quantity]()
+
+
+def _of_step(step: Step | None, reading: TapeReading) -> Measured | None:
     if step is None:
         return None
     value: Measured | None = getattr(step, f"{reading.quantity}_{reading.unit}")
@@ -155,17 +208,45 @@ def scanned_value(inspection: Inspection, reading: TapeReading) -> Measured | No
     return None if there is None else Measured(there, value.u)
 
 
-def _place_of(reading: TapeReading) -> str:
+def _step_of(inspection: Inspection, reading: TapeReading) -> Step | None:
+    """Return the step that was read: the one at its place, or of its number where the place is not known."""
+    if reading.step is None or reading.at is None:
+        return next((step for step in inspection.steps if step.step_id == reading.step), None)
+    place = np.array(reading.at) - inspection.scan.origin_m
+    nearest = min(inspection.steps, key=lambda step: float(np.linalg.norm(step.plane.centroid - place)), default=None)
+    return nearest if nearest is not None and _is_at(nearest, place, inspection.up.vector) else None
+
+
+def _is_at(step: Step, place: Floats, up: Floats) -> bool:
+    """Return whether a place is on a step: within half a rise of its height and half its diagonal in plan."""
+    away = place - step.plane.centroid
+    height = float(away @ up)
+    rise_m = _LEAST_RISE_M if step.rise_m is None else step.rise_m.value
+    diagonal_m = float(np.linalg.norm(step.corners[2] - step.corners[0]))
+    return abs(height) < rise_m / 2.0 and float(np.linalg.norm(away - height * up)) < diagonal_m / 2.0
+
+
+def _place_of(reading: TapeReading, step: Step | None) -> str:
     if reading.flight is not None:
         return f"flight {reading.flight}"
-    return f"step {reading.step}" + ("" if reading.line == "centre" else f", {reading.line}")
+    on_line = "" if reading.line == "centre" else f", {reading.line}"
+    if step is None and reading.at is not None:
+        return f"former step {reading.step}{on_line}"
+    if step is None or step.step_id == reading.step:
+        return f"step {reading.step}{on_line}"
+    return f"step {step.step_id}{on_line} (was {reading.step})"
 
 
-def _agreement(reading: TapeReading, scanned: Measured | None) -> Status:
+def _agreement(reading: TapeReading, step: Step | None, scanned: Measured | None) -> Status:
+    if step is None and reading.at is not None:
+        return Status("its step is no longer in the result", "close")
     if scanned is None:
         return Status("not in the scan", "plain")
+    difference = abs(reading.value - scanned.value)
     if reading.u is None:
+        if reading.unit == "m" and reading.quantity != "nosing_overhang" and difference > _SLIP_SHARE * scanned.value:
+            return Status("far from the scan: check place and unit; U of the reading not stated", "close")
         return Status("U of the reading not stated", "plain")
-    if abs(reading.value - scanned.value) <= math.hypot(scanned.u, reading.u):
+    if difference <= math.hypot(scanned.u, reading.u):
         return Status("agrees", "good")
     return Status("differs by more than U", "bad")

@@ -3,7 +3,7 @@
 from stair_inspector.codes.quantities import COMMON_PARTS, OWN_PARTS, part_of
 from stair_inspector.model import SURVEY_VALUES, Inspection, Measured
 from stair_inspector.report.cells import QUANTITY_WORDS, mm
-from stair_inspector.report.document import Column, Table, plain
+from stair_inspector.report.document import Column, Table
 from stair_inspector.report.note_words import note_words
 
 _PARTS = (*OWN_PARTS, *COMMON_PARTS)
@@ -58,7 +58,7 @@ def surfaces_table(inspection: Inspection) -> Table:
             patch.plane.n_points,
             patch.kind,
             patch.step_id,
-            plain(patch.reason or ""),
+            note_words(patch.reason or ""),
         )
         for patch in inspection.patches
     )

@@ -4,8 +4,8 @@ The content goes to typst as data, never as markup. What no font can draw is spe
 """
 
 import dataclasses
-import functools
 import json
+import re
 import tempfile
 import unicodedata
 from importlib import resources
@@ -31,6 +31,13 @@ from stair_inspector.report.document import (
 from stair_inspector.report.fonts import font_folders
 
 _ALWAYS_DRAWN = frozenset(map(chr, range(0x20, 0x7F))) | frozenset("\n")
+_IS_DRAWN: dict[str, bool] = {}
+"""Whether typst has a font for a character, of those that were met."""
+_IN_NO_FONT = "\uffff"
+_SPECIMEN = """#set page(width: 200cm, height: auto, margin: 0pt)
+#set text(font: ("Source Sans 3", "Noto Sans KR"))
+#for word in json(bytes(sys.inputs.words)) { box[|]; box(word) }"""
+"""Every word by itself, behind a bar that tells it from the one before."""
 _SUFFIXES = {"svg": "svg", "png": "png", "jpeg": "jpg"}
 _TABLE_PT = 8.0
 _SMALLEST_PT = 6.0
@@ -72,7 +79,6 @@ def page_pngs(document: Document, ppi: float) -> list[bytes]:
 
 
 def _typeset(document: Document, **wanted: Any) -> Any:
-    typst = _typst()
     content = _spelt(_to_data(document))
     with tempfile.TemporaryDirectory(prefix="stair-report-") as name:
         folder = Path(name)
@@ -80,13 +86,16 @@ def _typeset(document: Document, **wanted: Any) -> Any:
         (folder / "report.typ").write_bytes(resources.files(__package__).joinpath("report.typ").read_bytes())
         for file, data in _pictures(document).items():
             (folder / file).write_bytes(data)
-        try:
-            return typst.compile(str(folder / "report.typ"), root=name, font_paths=list(font_folders()), **wanted)
-        except typst.TypstError as error:
-            reason = " ".join(str(error).split())
-            raise WriteError(
-                f"the report cannot be typeset ({reason}); leave out the picture, or report this"
-            ) from error
+        return _compiled(str(folder / "report.typ"), root=name, **wanted)
+
+
+def _compiled(source: str | bytes, **wanted: Any) -> Any:
+    typst = _typst()
+    try:
+        return typst.compile(source, font_paths=list(font_folders()), **wanted)
+    except typst.TypstError as error:
+        reason = " ".join(str(error).split())
+        raise WriteError(f"the report cannot be typeset ({reason}); leave out the picture, or report this") from error
 
 
 def _typst() -> Any:
@@ -99,34 +108,46 @@ def _typst() -> Any:
 
 def _spelt(value: Any) -> Any:
     """Return plain values in which every character that no font has is written as its code point."""
+    letters = _letters_in(value)
+    _learn(letters)
+    return _written(value, {letter for letter in letters if not _IS_DRAWN[letter]})
+
+
+def _letters_in(value: Any) -> set[str]:
     if isinstance(value, str):
-        return "".join(letter if _is_drawn(letter) else f"⟨U+{ord(letter):04X}⟩" for letter in value)
+        return set(value) - _ALWAYS_DRAWN
+    entries = value.values() if isinstance(value, dict) else value if isinstance(value, (list, tuple)) else ()
+    return set().union(*map(_letters_in, entries))
+
+
+def _written(value: Any, missing: set[str]) -> Any:
+    if isinstance(value, str):
+        return "".join(f"⟨U+{ord(letter):04X}⟩" if letter in missing else letter for letter in value)
     if isinstance(value, dict):
-        return {name: _spelt(entry) for name, entry in value.items()}
+        return {name: _written(entry, missing) for name, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_spelt(entry) for entry in value]
+        return [_written(entry, missing) for entry in value]
     return value
 
 
-@functools.cache
-def _is_drawn(letter: str) -> bool:
-    """Tell whether typst finds a font with this character, by letting it try."""
-    if letter in _ALWAYS_DRAWN:
-        return True
-    typst = _typst()
+def _learn(letters: set[str]) -> None:
+    """Find out for which characters typst has a font: it draws them all at once, and what has none is drawn alike."""
+    new = sorted(letters - _IS_DRAWN.keys())
+    if not new:
+        return
     # A mark that joins to the letter before it is tried on one.
-    base = "o" if unicodedata.combining(letter) else ""
-    source = '#set document(title: "t")\n#set text(font: ("Source Sans 3", "Noto Sans KR"))\n#sys.inputs.letter'
-    try:
-        typst.compile(
-            source.encode(),
-            font_paths=list(font_folders()),
-            pdf_standards="ua-1",
-            sys_inputs={"letter": base + letter},
-        )
-    except typst.TypstError:
-        return False
-    return True
+    words = [_IN_NO_FONT, *("o" + letter if unicodedata.combining(letter) else letter for letter in new)]
+    inputs = {"words": json.dumps(words)}
+    drawn: bytes = _compiled(_SPECIMEN.encode(), format="svg", sys_inputs=inputs)
+    bar, *glyphs = re.findall(rb'<use[^>]* xlink:href="#([^"]+)"', drawn)
+    groups: list[set[bytes]] = [set()]
+    for glyph in glyphs:
+        if glyph == bar:
+            groups.append(set())
+        else:
+            groups[-1].add(glyph)
+    (missing,), *found = groups
+    _IS_DRAWN.update({letter: missing not in group for letter, group in zip(new, found, strict=True)})
 
 
 def _pictures(document: Document) -> dict[str, bytes]:

@@ -48,6 +48,7 @@ _WHITE = 255
 _TRIM_SHARE = 0.015
 _LOWEST_ASPECT, _HIGHEST_ASPECT = 0.8, 3.2
 _INK: Rgb = (20, 22, 26)
+_RESIDUALS = "residuals"
 _RESIDUAL_WORDS = "Residuals: distance of every step's surface from its own plane"
 
 
@@ -161,11 +162,16 @@ def residual_views(
     """Return the maps of the residuals of every tread, in as many pictures as they need; see :func:`report_views`."""
     sheets = residual_sheets(scan, inspection, date, title=title, unit=unit, width=width)
     return tuple(
-        RenderedView(f"residuals_{number}", f"{_RESIDUAL_WORDS} ({number} of {len(sheets)})", sheet, 1.0)
+        RenderedView(f"{_RESIDUALS}_{number}", f"{_RESIDUAL_WORDS} ({number} of {len(sheets)})", sheet, 1.0)
         if len(sheets) > 1
-        else RenderedView("residuals", _RESIDUAL_WORDS, sheet, 1.0)
+        else RenderedView(_RESIDUALS, _RESIDUAL_WORDS, sheet, 1.0)
         for number, sheet in enumerate(sheets, 1)
     )
+
+
+def is_residual_map(view: RenderedView) -> bool:
+    """Return whether a picture is one of :func:`residual_views`, of treads and not of a scene."""
+    return view.key.startswith(_RESIDUALS)
 
 
 def render_view(

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
-from stair_inspector.codes.rules import GRADES, Limit, Rule
+from stair_inspector.codes.rules import GRADES, Rule
+from stair_inspector.codes.text import limit_words, limits_text
 from stair_inspector.codes.words import display_of
 from stair_inspector.model import Inspection
 from stair_inspector.report.cells import numbers_of, outside_counts, places_of
@@ -89,7 +90,7 @@ def results_table(check: Check) -> Table:
                 (
                     plain(rule.clause),
                     limited_words(rule),
-                    plain(rule.limit_text),
+                    plain(limits_text(check.rule_set, rule)),
                     flight,
                     measured_cell(rule, worst.value, worst.u),
                     scaled(rule, worst.u, is_u=True),
@@ -103,7 +104,7 @@ def results_table(check: Check) -> Table:
     note = (
         "One row per rule and flight, with the finding nearest to its limit or furthest beyond it. Margin: distance to "
         "that limit, negative beyond it. Limits are compared with their exact size as written, not with a rounded one."
-    )
+    ) + _edited_note(check)
     return Table("rules", "Results by rule", columns, tuple(rows), note, "The rule set has no rule.", tuple(tones))
 
 
@@ -142,7 +143,7 @@ def findings_table(check: Check) -> Table:
                 margin_cell(found.rule, found.margin),
                 unit_of(found.rule),
                 status_of(found.verdict),
-                plain(found.reason),
+                "; ".join(part for part in (_edited_words(check, found), note_words(found.reason)) if part),
             )
         )
     return Table(
@@ -174,7 +175,10 @@ def by_step_table(inspection: Inspection, check: Check) -> Table:
     ]
     columns = (
         Column("Step", digits=0),
-        *(Column(f"{plain(rule.clause)}: {limited_words(rule)}", plain(rule.limit_text), width=1.2) for rule in rules),
+        *(
+            Column(f"{plain(rule.clause)}: {limited_words(rule)}", plain(limits_text(check.rule_set, rule)), width=1.2)
+            for rule in rules
+        ),
     )
     rows: list[tuple[Cell, ...]] = []
     tones: list[tuple[int, Tone]] = []
@@ -188,6 +192,7 @@ def by_step_table(inspection: Inspection, check: Check) -> Table:
             tones.append((len(rows), "bad" if "bad" in row_tones else "close"))
         rows.append(tuple(cells))
     note = "A difference of neighbours stands in the row of the upper of the two steps. – is not subject to the rule."
+    note += _edited_note(check)
     return Table("by_step", "Results by step", columns, tuple(rows), note, "No step was judged.", tuple(tones))
 
 
@@ -219,7 +224,7 @@ def fits_table(check: Check) -> Table:
                 scaled(rule, fit.tolerance),
                 unit_of(rule) if fit.u is not None else "",
                 state,
-                plain(fit.words),
+                plain(fit.words) + ("; a limit was edited" if check.rule_set.is_changed(rule.rule_id) else ""),
                 rule.grade,
             )
         )
@@ -235,13 +240,19 @@ def edits_table(check: Check) -> Table:
     """Return the limits that a user has changed, oldest first."""
     columns = (
         Column("Rule", width=2.0),
-        Column("Side"),
-        Column("Before"),
-        Column("After"),
+        Column("Side", width=1.1),
+        Column("Before", width=1.5),
+        Column("After", width=1.5),
         Column("Reason", width=3.0),
     )
     rows = tuple(
-        (plain(edit.rule_id), edit.side, _limit_words(edit.before), _limit_words(edit.after), plain(edit.reason))
+        (
+            plain(edit.rule_id),
+            edit.side,
+            plain(limit_words(edit.before)),
+            plain(limit_words(edit.after)),
+            plain(edit.reason),
+        )
         for edit in check.rule_set.edits
     )
     return Table("edits", "Limits edited by the user", columns, rows, empty="No limit was edited by the user.")
@@ -264,6 +275,20 @@ def limited_words(rule: Rule) -> str:
     return f"{words} (our {ours})" if ours and ours not in words.casefold() else words
 
 
+def _edited_note(check: Check) -> str:
+    """Return what the mark of an edited limit means; empty where there is none."""
+    if not check.rule_set.n_changed:
+        return ""
+    return " (edited): changed by the user, and not a limit of the clause; 'Limits edited by the user' has both."
+
+
+def _edited_words(check: Check, found: Finding) -> str:
+    """Return the limit that a finding was held against where the user has set it."""
+    if check.edit_behind(found) is None or found.limit is None:
+        return ""
+    return f"{found.side} {plain(found.limit.text)}, set by the user"
+
+
 def _is_about(found: Finding, step_id: int) -> bool:
     return bool(found.steps) and found.steps[-1] == step_id
 
@@ -277,10 +302,6 @@ def _counted(findings: tuple[Finding, ...]) -> str:
         return f"{len(findings)}: {outside_counts(findings)}"
     same = sum(found.verdict is worst for found in findings)
     return f"{len(findings)}, of which {same} {worst.words}" if same < len(findings) else f"{len(findings)}, all so"
-
-
-def _limit_words(limit: Limit | None) -> str:
-    return "none" if limit is None else plain(limit.text)
 
 
 _FIT = {

@@ -7,6 +7,7 @@ the measurements. An angle is written with the unit ``"°"`` whatever the choice
 import math
 from typing import Literal
 
+from stair_inspector.codes.words import u_text as u_text
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Measured
 from stair_inspector.params import METRES_PER_UNIT
@@ -60,11 +61,15 @@ def length_text(value: float | None, unit: Shown, digits: int = 1) -> str:
     return NOT_KNOWN if value is None else number_text(value, unit, digits) + _suffix(unit)
 
 
-def u_text(u: float) -> str:
-    """Return an uncertainty, millimetres or degrees, with the digits that mean something; never a zero that is none."""
-    if u == 0.0 or u >= 9.95:
-        return f"{u:.0f}"
-    return f"{u:.1f}" if u >= 0.095 else f"{max(u, 0.01):.2f}"
+def signed_text(value: float, unit: Shown | None) -> str:
+    """Return a difference in metres or degrees, or of a count, with its sign and without its unit.
+
+    Inches are written as a decimal: most differences are finer than any fraction.
+    """
+    places = {None: 0, "in": 3, "mm": 1, "°": 2}[unit]
+    scaled = value if unit is None else value / M_PER_INCH if unit == "in" else _scaled(value, unit)
+    rounded = tidy(scaled, places)
+    return f"{'+' if rounded > 0.0 else '−' if rounded < 0.0 else '±'}{abs(rounded):.{places}f}"
 
 
 def uncertainty_text(u: float, unit: Shown) -> str:

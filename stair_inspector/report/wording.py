@@ -4,7 +4,8 @@ import math
 from collections.abc import Sequence
 
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
-from stair_inspector.codes.text import gap_text, verdict_sentence
+from stair_inspector.codes.rules import Limit, RuleEdit, Side
+from stair_inspector.codes.text import gap_text, limit_words, verdict_sentence
 from stair_inspector.codes.words import display_of
 from stair_inspector.model import Inspection
 from stair_inspector.params import UncertaintyParams
@@ -19,6 +20,9 @@ _LOA_COARSEST = (0.050, "LOA20 (15 to 50 mm)")
 _ABOUT_UP = ("up_disagree", "treads_lean", "up_not_z", "floor_above_scan", "floor_not_largest")
 """Codes of the notes that put the vertical in doubt."""
 
+_MOST_CHANGES = 4
+"""So many changed limits are named on the first page."""
+
 DEFINITIONS = (
     "Rise: vertical, from the nosing below (or the floor or landing before the lowest riser) to this step's nosing.",
     "Going: horizontal, square to the nosing, from this nosing to the next; US codes call it tread depth.",
@@ -31,19 +35,74 @@ DEFINITIONS = (
 
 
 def verdict_of(check: Check) -> Status:
-    """Return the result of a whole check in a few words."""
+    """Return the result of a whole check in a few words; it is good only where nothing is left to look at."""
     judged = [found for found in check.findings if found.rule.severity == "limit"]
     verdicts = {found.verdict for found in judged}
+    changed = _changed_words(check)
     if Verdict.OUTSIDE in verdicts:
-        return Status("values outside limits", "bad")
+        return Status("; ".join(["values outside limits", *changed]), "bad")
     if Verdict.OUTSIDE_CLOSE in verdicts:
-        return Status("values outside limits, by less than U", "close")
-    if not check.is_judged:
-        return Status("nothing could be judged", "plain")
+        return Status("; ".join(["values outside limits, by less than U", *changed]), "close")
+    left = [*_left_to_look_at(check), *changed]
+    if not verdicts & {Verdict.WITHIN, Verdict.WITHIN_CLOSE}:
+        return Status("; ".join(["nothing could be judged", *left]), "plain")
     # A rule that does not apply to a step leaves nothing open.
-    if any(found.is_open for found in judged):
-        return Status("what was measured is within; not all was", "close")
-    return Status("measured values within limits", "good")
+    is_open = any(found.is_open for found in judged)
+    words = "what was measured is within; not all was" if is_open else "measured values within limits"
+    return Status("; ".join([words, *left]), "close" if is_open or left else "good")
+
+
+def _left_to_look_at(check: Check) -> list[str]:
+    """Return what keeps a check without a value outside a limit from being simply good."""
+    left = []
+    near = sum(found.verdict is Verdict.WITHIN_CLOSE and found.rule.severity == "limit" for found in check.findings)
+    if near:
+        left.append(f"{near} nearer to a limit than U")
+    if any(found.verdict.is_outside and found.rule.severity == "advisory" for found in check.findings):
+        left.append("values outside what is advised")
+    has_value = {found.rule.rule_id for found in check.findings if found.value is not None}
+    without = [rule for rule in check.rule_set.rules if rule.rule_id in has_value and rule.limit_text == "no number"]
+    if without:
+        spreads = all(rule.statistic in ("flight_range", "adjacent_difference") for rule in without)
+        left.append(f"{'uniformity' if spreads else 'what has no number'} is for the inspector to judge")
+    return left
+
+
+def _changed_words(check: Check) -> list[str]:
+    count = check.rule_set.n_changed
+    return [f"{count} limit{'' if count == 1 else 's'} changed by the user"] if count else []
+
+
+def changed_limits_sentence(check: Check) -> str:
+    """Return which limits are not those of the rule file, for the first page; empty where all are."""
+    rules = check.rule_set
+    changes: list[str] = []
+    for rule in rules.rules:
+        sides: tuple[tuple[Side, Limit | None], ...] = (("minimum", rule.minimum), ("maximum", rule.maximum))
+        for side, limit in sides:
+            edit = rules.edit_of(rule.rule_id, side)
+            if edit is not None:
+                changes.append(
+                    f"{plain(rule.term)}, {side} {limit_words(limit)} {_in_place_of(edit)} ({plain(rule.clause)})"
+                )
+    if not changes:
+        return ""
+    more = len(changes) - _MOST_CHANGES
+    told = "; ".join(changes[:_MOST_CHANGES]) + (f"; and {more} more" if more > 0 else "")
+    is_one = len(changes) == 1
+    return (
+        f"{'This limit is' if is_one else 'These limits are'} the user's and not the code's: {told}. The reason"
+        f"{' stands' if is_one else 's stand'} under 'Limits edited by the user'."
+    )
+
+
+def code_words(check: Check) -> str:
+    """Return what was applied: the set's name, edition and variant, and whether its limits are all its own."""
+    return "; ".join([plain(check.rule_set.title), *_changed_words(check)])
+
+
+def _in_place_of(edit: RuleEdit) -> str:
+    return "where the code has none" if edit.before is None else f"in place of {plain(edit.before.text)}"
 
 
 def result_sentence(inspection: Inspection, check: Check | None) -> str:
@@ -81,12 +140,15 @@ def _outside_sentence(check: Check, found: Finding, alike: Sequence[Finding]) ->
     if found.steps:
         steps = f", {'step' if len(found.steps) == 1 else 'steps'} {numbers_of(found.steps)}"
     limit = plain(found.limit.text) if found.limit is not None else "no number"
+    edit = check.edit_behind(found)
+    # A limit that the user has set is listed in no code.
+    origin = "listed in" if edit is None else f"set by the user {_in_place_of(edit)},"
     close = ", by less than U" if found.verdict is Verdict.OUTSIDE_CLOSE else ""
     more = f"; of this rule {outside_counts(alike)}, this is the gravest" if len(alike) > 1 else ""
     kind = "advisory limit" if rule.severity == "advisory" else "limit"
     return (
         f"{place[:1].upper()}{place[1:]}{steps}: {plain(rule.term)} is {value}{u}{gap}{unit}, outside the {kind} "
-        f"{limit} listed in {plain(rule.clause)}, {_edition_words(check)}, by {beyond}{close}{more}."
+        f"{limit} {origin} {plain(rule.clause)}, {_edition_words(check)}, by {beyond}{close}{more}."
     )
 
 
@@ -244,9 +306,11 @@ def limitation_sentences(inspection: Inspection, check: Check | None) -> tuple[s
     if inspection.params.overrules.region.strip():
         sentences.append("Only the points in the region of interest were measured; appendix A gives its corners.")
     if check is not None:
+        changed = check.rule_set.n_changed
+        but = f", but for {changed} that the user has changed" if changed else ""
         sentences.append(
-            "Limits are those of the rule file named above; cities and states amend codes. Whether a limit applies to "
-            "this stair is for the inspector to decide."
+            f"Limits are those of the rule file named above{but}; cities and states amend codes. Whether a limit "
+            "applies to this stair is for the inspector to decide."
         )
         if check.rule_set.is_edited:
             sentences.append("Limits of the rule set were edited by the user; the edits are listed.")

@@ -17,11 +17,12 @@ import viser._messages
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.params import Params
+from stair_inspector.report.fields import ReportBasis
 from stair_inspector.report.pictures.cameras import FOV_RAD
 from stair_inspector.viewer.library import DEFAULT_UPLOAD_LIMIT_MB, Library
 from stair_inspector.viewer.session import Session
 from stair_inspector.viewer.uploads import limit_uploads
-from stair_inspector.viewer.work import KeptWishes
+from stair_inspector.viewer.work import KeptWishes, Work
 from stair_inspector.viewer.worker import Workshop
 
 
@@ -34,6 +35,8 @@ class App:
         Files and folders that can be chosen; at least one. The first scan is opened.
     params : Params
         Settings every page begins with.
+    basis : ReportBasis, optional
+        What every report begins with, as firm, surveyor, instrument and logo.
     host, port
         Where to listen; port 0 takes a free one.
     project_dir : Path, optional
@@ -59,10 +62,11 @@ class App:
         project_dir: Path | None = None,
         saves_projects: bool = True,
         upload_limit_mb: float = DEFAULT_UPLOAD_LIMIT_MB,
+        basis: ReportBasis | None = None,
     ) -> None:
         self._port = _check_address(host, port)
         self._library = Library(scans, project_dir, saves_projects=saves_projects, upload_limit_mb=upload_limit_mb)
-        self._params = params
+        self._started = Work(params, basis=basis or ReportBasis())
         self._palettes = (read_palette("page"), read_palette("page_dark"))
         self._kept = KeptWishes(self._library.forget_upload)
         self._sessions: dict[int, Session] = {}
@@ -120,7 +124,7 @@ class App:
             client,
             self._workshop,
             self._library,
-            self._params,
+            self._started,
             self._palettes,
             self._kept,
             lambda: self._drop(client),

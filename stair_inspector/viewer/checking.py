@@ -1,27 +1,31 @@
 """The present result held against the chosen rules, again at every result: the Checks tab and the marks of steps."""
 
 import dataclasses
-from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from stair_inspector.codes import Check, Decision, check
-from stair_inspector.codes.rules import Rule, Side
+from stair_inspector.codes import Check, Decision, RuleSet, check
+from stair_inspector.codes.rules import Limit, Rule, Side
 from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.chosen_rules import (
     ChosenRules,
     RuleFile,
+    is_usable,
     known_sets,
     limit_of,
+    n_edits,
     rule_set_of,
     with_edit,
+    with_fitting,
+    with_set,
     without_edits,
 )
 from stair_inspector.files.rule_sets import parse_limit, rule_set_path
 from stair_inspector.files.toml import read_toml_bytes
 from stair_inspector.model import Inspection
 from stair_inspector.report.rule_tables import limited_words
+from stair_inspector.report.units import Unit
 from stair_inspector.viewer.checks_html import (
     edits_html,
     not_assessed_html,
@@ -47,7 +51,10 @@ _GROUPS = {
     "iso": "ISO",
 }
 """Where a set of the program holds, by the first part of its id, in the order of the menu."""
+_SIDES: dict[str, Side] = {SIDES[0]: "minimum", SIDES[1]: "maximum"}
 _OTHER, _OWN = "Other", "Own"
+_UNUSABLE = "was changed, and cannot be used now"
+"""What the menu of limits says of a rule whose change does not fit the rule set of this version."""
 
 
 class Checking:
@@ -61,24 +68,26 @@ class Checking:
         self._opened: int | None = None
         self._error = ""
         self._judged: tuple[Inspection, ChosenRules] | None = None
+        # What the results by rule were last drawn of: they may be many, and a choice of a step does not change them.
+        self._drawn: tuple[Check | None, int | None, Unit] | None = None
+        # Which limit the field was last filled with: of which set, rule and side.
+        self._filled: tuple[str, str, Side, Limit | None] | None = None
         self.check: Check | None = None
         results.on_shown = self._show_results
 
     # What a person does.
 
     def choose(self, label: str) -> None:
-        """Choose the rule set of a label of the menu, or none; changes of limits belong to the set that is left."""
+        """Choose the rule set of a label of the menu, or none; changed limits stay with the set that is left."""
 
         def changed(rules: ChosenRules) -> ChosenRules:
-            set_id = "" if label == NO_RULES else _id_of(rules, label, "rule set")
-            if set_id == rules.set_id:
+            if label == _chosen_label(rules):
                 return rules
-            # An overlay's rules may contradict those of another set: then it is left as well.
-            kept = rules.overlay_ids if set_id and _can_be_laid(rules, set_id) else ()
-            return dataclasses.replace(rules, set_id=set_id, overlay_ids=kept, edits=())
+            set_id = "" if label == NO_RULES else _id_of(rules, label, "rule set")
+            return with_set(rules, set_id, _overlays_of(rules, set_id))
 
         self._opened = None
-        self._change(f"rules {label[:60]}", changed)
+        self._change_and_tell(f"rules {label[:60]}", changed)
 
     def choose_overlay(self, label: str) -> None:
         """Lay the overlay of a label over the set, or none; changes of its limits go with it."""
@@ -87,14 +96,11 @@ class Checking:
             if label == _several(rules):
                 return rules
             overlay_ids = () if label == NO_OVERLAY else (_id_of(rules, label, "overlay"),)
-            bare = dataclasses.replace(rules, overlay_ids=overlay_ids, edits=())
-            made = rule_set_of(bare)
-            if made is None and overlay_ids:
+            if overlay_ids and not rules.set_id:
                 raise ConfigError("overlay: choose a rule set first")
-            own = {rule.rule_id for rule in made.rules} if made is not None else set()
-            return dataclasses.replace(bare, edits=tuple(edit for edit in rules.edits if edit.rule_id in own))
+            return with_fitting(dataclasses.replace(rules, overlay_ids=overlay_ids), rules.edits)
 
-        self._change(f"overlay {label[:60]}", changed)
+        self._change_and_tell(f"overlay {label[:60]}", changed)
 
     def choose_decision(self, option: str) -> None:
         """Choose whether verdicts heed the uncertainty."""
@@ -104,18 +110,20 @@ class Checking:
         self._change(f"decision {decision}", lambda rules: dataclasses.replace(rules, decision=decision))
 
     def choose_rule(self, option: str) -> None:
-        """Write the present limit of a rule into the field, to be changed."""
+        """Write the present limit of a rule into the field, to be changed: of the side that has one."""
         with self._desk.lock:
-            rule, side = self._rule_named(option), self._side()
-            limit = limit_of(rule, side)
-            self._panel.checks.limit.value = "" if limit is None else limit.as_written
+            self._rule_named(option)
+            self._show_limit()
 
     def edit(self) -> None:
         """Change the limit that is chosen, with the reason that is written."""
         tab = self._panel.checks
         rule, side = self._rule_named(str(tab.rule.value)), self._side()
         written = str(tab.limit.value).strip()
-        limit = parse_limit(written) if written else None
+        try:
+            limit = parse_limit(written) if written else None
+        except ConfigError as error:
+            raise ConfigError(f"new limit: {error}") from error
         reason = " ".join(str(tab.reason.value).split())
         if not reason:
             raise ConfigError("change a limit: write why, in one line; it stands with the change in every report")
@@ -125,8 +133,9 @@ class Checking:
 
     def revert(self) -> None:
         """Give the chosen rule the limits of its file again."""
-        rule = self._rule_named(str(self._panel.checks.rule.value))
-        self._change(f"limits of {rule.rule_id} as in the file", lambda rules: without_edits(rules, rule.rule_id))
+        # By its id: the rule may be one of a set that cannot be made.
+        rule_id = str(self._panel.checks.rule.value).partition(":")[0]
+        self._change(f"limits of {rule_id[:80]} as in the file", lambda rules: without_edits(rules, rule_id))
 
     def revert_all(self) -> None:
         """Give every rule the limits of its file again."""
@@ -139,13 +148,14 @@ class Checking:
 
         def changed(rules: ChosenRules) -> ChosenRules:
             files = (*(each for each in rules.files if each.rule_set.set_id != new.set_id), file)
+            newer = dataclasses.replace(rules, files=files)
             if not new.is_overlay:
-                return dataclasses.replace(rules, files=files, set_id=new.set_id, overlay_ids=(), edits=())
+                return with_set(newer, new.set_id, _overlays_of(newer, new.set_id))
             overlay_ids = (new.set_id,) if rules.set_id else ()
-            return dataclasses.replace(rules, files=files, overlay_ids=overlay_ids, edits=())
+            return with_fitting(dataclasses.replace(newer, overlay_ids=overlay_ids), rules.edits)
 
         self._opened = None
-        self._change(f"rule file {file.name[:40]}", changed)
+        self._change_and_tell(f"rule file {file.name[:40]}", changed)
 
     def forget_file(self) -> None:
         """Take the chosen own set, or else the chosen own overlay, out of the project."""
@@ -157,12 +167,12 @@ class Checking:
                 raise ConfigError("forget: the chosen set comes with the program; choose an own one first")
             files = tuple(file for file in rules.files if file.rule_set.set_id != gone)
             if gone == rules.set_id:
-                return ChosenRules(decision=rules.decision, files=files)
+                return dataclasses.replace(rules, set_id="", overlay_ids=(), edits=(), files=files)
             overlay_ids = tuple(overlay_id for overlay_id in rules.overlay_ids if overlay_id != gone)
-            return dataclasses.replace(rules, overlay_ids=overlay_ids, edits=(), files=files)
+            return with_fitting(dataclasses.replace(rules, overlay_ids=overlay_ids, files=files), rules.edits)
 
         self._opened = None
-        self._change("forgot an own rule file", changed)
+        self._change_and_tell("forgot an own rule file", changed)
 
     def save_copy(self) -> None:
         """Send the file of the chosen set, as it is without changes."""
@@ -190,8 +200,10 @@ class Checking:
             raise ConfigError(f"rule: got {number[:40]!r}; choose a row of the list")
         with self._desk.lock, self._desk.client.atomic():
             self._opened = None if self._opened == int(number) else int(number)
-            self._panel.checks.rule.value = _rule_label(rules[int(number) - 1])
-            self.choose_rule(self._panel.checks.rule.value)
+            rule = rules[int(number) - 1]
+            if rule.from_scan != "no":
+                self._panel.checks.rule.value = _rule_label(rule)
+                self._show_limit()
             self._show_results()
 
     def checked(self) -> Check | None:
@@ -234,13 +246,14 @@ class Checking:
 
     def _show_results(self) -> None:
         desk, tab = self._desk, self._panel.checks
-        made = self.check.rule_set if self.check is not None else None
         uuid = self._panel.picked._impl.uuid
         tab.summary.content = summary_html(self.check, self._error)
-        tab.by_rule.content = rules_html(self.check, self._opened, uuid, desk.unit)
+        if self._drawn is None or self._drawn[0] is not self.check or self._drawn[1:] != (self._opened, desk.unit):
+            self._drawn = (self.check, self._opened, desk.unit)
+            tab.by_rule.content = rules_html(self.check, self._opened, uuid, desk.unit)
         tab.by_step.content = steps_html(desk.inspection, self.check, desk.selected, uuid, desk.unit)
         tab.not_assessed.content = not_assessed_html(self.check)
-        tab.edits.content = edits_html(made)
+        tab.edits.content = edits_html(self._editor.work.rules.edits)
         if desk.shown is not None:
             desk.stage.show_marks(self._results.marks)
 
@@ -249,23 +262,49 @@ class Checking:
         sets, overlays = (_labels(rules, is_overlay=is_overlay) for is_overlay in (False, True))
         several = _several(rules)
         offered = (*overlays, several) if several and several not in overlays else tuple(overlays)
-        chosen = next((label for label, set_id in sets.items() if set_id == rules.set_id), NO_RULES)
-        tab.offer_rules(tuple(sets), chosen, offered, several or NO_OVERLAY)
+        chosen = _chosen_label(rules)
+        named = tuple(sets) if chosen in (NO_RULES, *sets) else (chosen, *sets)
+        tab.offer_rules(named, chosen, offered, several or NO_OVERLAY)
         tab.decision.value = next(words for words, decision in _decisions() if decision == rules.decision)
-        made = self.check.rule_set if self.check is not None else None
-        labels = tuple(_rule_label(rule) for rule in made.rules if rule.from_scan != "no") if made is not None else ()
-        before = str(tab.rule.value)
-        tab.offer_limits(labels, before)
-        if labels and (before != tab.rule.value or not tab.limit.value):
-            self.choose_rule(str(tab.rule.value))
+        tab.offer_limits(_limit_labels(rules), str(tab.rule.value))
+        self._show_limit()
         tab.show_reverts(has_edits=bool(rules.edits))
+
+    def _show_limit(self) -> None:
+        """Write the present limit of the chosen rule into the field, unless that is what was written there last."""
+        tab, rules = self._panel.checks, self._editor.work.rules
+        rule = _rule_of(rules, str(tab.rule.value)) if is_usable(rules) else None
+        if rule is None:
+            self._filled = None
+            tab.show_limit("")
+            return
+        if self._filled is None or self._filled[:2] != (rules.set_id, rule.rule_id):
+            with_limit = [words for words, side in _SIDES.items() if limit_of(rule, side) is not None]
+            if len(with_limit) == 1:
+                tab.side.value = with_limit[0]
+        side = self._side()
+        limit = limit_of(rule, side)
+        present = (rules.set_id, rule.rule_id, side, limit)
+        if present != self._filled:
+            self._filled = present
+            tab.show_limit("" if limit is None else limit.as_written, is_there=limit is not None)
+
+    def _change_and_tell(self, words: str, change: Callable[[ChosenRules], ChosenRules]) -> None:
+        """Change the choice, and say what became of changed limits and overlays that were not asked for."""
+        before = self._editor.work.rules
+        self._change(words, change)
+        told = _what_became(before, self._editor.work.rules)
+        if told:
+            self._desk.notices.tell("Changed limits and overlays", told)
 
     def _change(self, words: str, change: Callable[[ChosenRules], ChosenRules]) -> None:
         """Change the choice; what cannot be used is refused before it is kept."""
 
         def changed(work: Work) -> Changes:
             rules = change(work.rules)
-            rule_set_of(rules)
+            # A choice that could not be used already may be mended step by step.
+            if is_usable(work.rules):
+                rule_set_of(rules)
             return {"rules": rules}
 
         try:
@@ -277,15 +316,13 @@ class Checking:
             raise
 
     def _rule_named(self, label: str) -> Rule:
-        made = rule_set_of(self._editor.work.rules)
-        rule = next((rule for rule in made.rules if _rule_label(rule) == label), None) if made is not None else None
+        rule = _rule_of(self._editor.work.rules, label)
         if rule is None:
             raise ConfigError("change a limit: choose a rule set and a rule first")
         return rule
 
     def _side(self) -> Side:
-        side: Side = "minimum" if self._panel.checks.side.value == SIDES[0] else "maximum"
-        return side
+        return _SIDES.get(str(self._panel.checks.side.value), "maximum")
 
 
 def _id_of(rules: ChosenRules, label: str, what: str) -> str:
@@ -305,15 +342,66 @@ def _labels(rules: ChosenRules, *, is_overlay: bool) -> dict[str, str]:
         if each.is_overlay == is_overlay
     ]
     found.sort(key=lambda entry: (order.index(entry[0]), entry[1]))
-    titles = Counter((group, each.title) for group, _, each in found)
-    return {
-        f"{group} · {each.title}" + (f" [{set_id}]" if titles[group, each.title] > 1 else ""): set_id
-        for group, set_id, each in found
-    }
+    return {_label_of(group, set_id, each): set_id for group, set_id, each in found}
+
+
+def _label_of(group: str, set_id: str, rule_set: RuleSet) -> str:
+    """Return what the menu says of a set: first its id, short and unlike all others, since the field cuts long ends."""
+    short = set_id.partition("-")[2] if group in _GROUPS.values() else set_id
+    return f"{group} · {short} · {rule_set.title}"
 
 
 def _rule_label(rule: Rule) -> str:
     return f"{rule.rule_id}: {limited_words(rule)}"
+
+
+def _rule_of(rules: ChosenRules, label: str) -> Rule | None:
+    made = rule_set_of(rules)
+    return next((rule for rule in made.rules if _rule_label(rule) == label), None) if made is not None else None
+
+
+def _limit_labels(rules: ChosenRules) -> tuple[str, ...]:
+    """Return the rules whose limits can be changed, or, of a set that cannot be made, those whose limits were."""
+    if not is_usable(rules):
+        return tuple(f"{rule_id}: {_UNUSABLE}" for rule_id in dict.fromkeys(edit.rule_id for edit in rules.edits))
+    made = rule_set_of(rules)
+    return tuple(_rule_label(rule) for rule in made.rules if rule.from_scan != "no") if made is not None else ()
+
+
+def _chosen_label(rules: ChosenRules) -> str:
+    """Return what the menu says of the chosen set; a project may name one that this version does not have."""
+    if not rules.set_id:
+        return NO_RULES
+    labels = {set_id: label for label, set_id in _labels(rules, is_overlay=False).items()}
+    return labels.get(rules.set_id, f"{rules.set_id} (cannot be used)")
+
+
+def _what_became(before: ChosenRules, after: ChosenRules) -> str:
+    """Return what became of changed limits and of an overlay with another choice of rules; empty for nothing."""
+    words = []
+    is_left = any(each.set_id == before.set_id for each in after.left)
+    if is_left and after.set_id != before.set_id:
+        name = _title_of(before, before.set_id)
+        words.append(f"{name} keeps {_counted(len(before.edits))} for when it is chosen again")
+    if after.edits and after.set_id != before.set_id:
+        words.append(f"in force again: {_counted(len(after.edits))} of {_title_of(after, after.set_id)}")
+    n_gone = n_edits(before) - n_edits(after)
+    if n_gone > 0:
+        words.append(f"dropped: {_counted(n_gone)}, of rules that are gone or have another limit now; Ctrl+Z undoes it")
+    if after.set_id and (before.set_id, before.files) != (after.set_id, after.files):
+        known = known_sets(after)
+        gone = [known[each].title for each in before.overlay_ids if each in known and each not in after.overlay_ids]
+        words += [f"the overlay {title} is not laid any more" for title in gone]
+    return "; ".join(words)
+
+
+def _counted(n_limits: int) -> str:
+    return f"{n_limits} changed limit{'' if n_limits == 1 else 's'}"
+
+
+def _title_of(rules: ChosenRules, set_id: str) -> str:
+    known = known_sets(rules)
+    return known[set_id].title if set_id in known else set_id
 
 
 def _several(rules: ChosenRules) -> str:
@@ -322,10 +410,13 @@ def _several(rules: ChosenRules) -> str:
     return " + ".join(labels.get(overlay_id, overlay_id) for overlay_id in rules.overlay_ids)
 
 
-def _can_be_laid(rules: ChosenRules, set_id: str) -> bool:
+def _overlays_of(rules: ChosenRules, set_id: str) -> tuple[str, ...]:
+    """Return the overlays that stay laid over another set: none where their rules contradict its own."""
     known = known_sets(rules)
-    laid = (known[overlay_id] for overlay_id in rules.overlay_ids if overlay_id in known)
-    return not {rule.rule_id for rule in known[set_id].rules} & {rule.rule_id for each in laid for rule in each.rules}
+    if not set_id or any(overlay_id not in known for overlay_id in rules.overlay_ids):
+        return ()
+    laid = {rule.rule_id for overlay_id in rules.overlay_ids for rule in known[overlay_id].rules}
+    return () if laid & {rule.rule_id for rule in known[set_id].rules} else rules.overlay_ids
 
 
 def _decisions() -> tuple[tuple[str, Decision], ...]:

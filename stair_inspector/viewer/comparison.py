@@ -13,7 +13,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Ints
 from stair_inspector.model import Inspection, Measured, Statistics, Step
 from stair_inspector.params import Params
-from stair_inspector.report.units import M_PER_INCH, NOT_KNOWN, Shown, Unit, number_text, tidy, uncertainty_text
+from stair_inspector.report.units import NOT_KNOWN, Shown, Unit, number_text, signed_text, uncertainty_text
 from stair_inspector.viewer.controls import setting_names, title_of_setting, value_words
 from stair_inspector.viewer.markup import DIM, LINE, table_head, text
 
@@ -304,11 +304,5 @@ def _number(name: str, value: float | None, unit: Unit) -> str:
 
 
 def _signed(value: Difference, unit: Unit) -> str:
-    """Return B less A with its sign; inches as a decimal, because most differences are finer than any fraction."""
-    if value.difference is None:
-        return NOT_KNOWN
-    shown = _shown(value.name, unit)
-    digits = {None: 0, "in": 3, "mm": 1, "°": 2}[shown]
-    scaled = value.difference * {None: 1.0, "in": 1.0 / M_PER_INCH, "mm": 1000.0, "°": 1.0}[shown]
-    rounded = tidy(scaled, digits)
-    return f"{'+' if rounded > 0.0 else '−' if rounded < 0.0 else '±'}{abs(rounded):.{digits}f}"
+    """Return B less A with its sign."""
+    return NOT_KNOWN if value.difference is None else signed_text(value.difference, _shown(value.name, unit))

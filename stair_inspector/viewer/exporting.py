@@ -12,6 +12,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.exports import csv_bytes, debug_ply_bytes, json_bytes
 from stair_inspector.files.projects import Project, check_scan, parse_project, project_bytes
 from stair_inspector.geometry.arrays import Colors
+from stair_inspector.report.fields import check_text
 from stair_inspector.report.pictures.cameras import VIEWS, Pose, View
 from stair_inspector.report.pictures.legends import Legend, line_entries
 from stair_inspector.report.pictures.picture import (
@@ -34,6 +35,8 @@ from stair_inspector.viewer.scene import Mode
 from stair_inspector.viewer.studio import studio
 from stair_inspector.viewer.tabs.export import CURRENT_VIEW, SIZES
 from stair_inspector.viewer.work import Keeper, work_of
+
+_LONGEST_TITLE = 200
 
 
 class Exporting:
@@ -59,7 +62,11 @@ class Exporting:
 
     def set_title(self, title: object) -> None:
         """Name the inspection."""
-        words = " ".join(str(title).split())[:200]
+        try:
+            words = check_text(" ".join(str(title).split())[:_LONGEST_TITLE], "Title")
+        except ConfigError:
+            self._panel.export.title.value = self._editor.work.title
+            raise
         if words != self._editor.work.title:
             # What is typed in one go is one change.
             self._editor.edit("title", lambda _: {"title": words}, "title")
@@ -179,7 +186,7 @@ class Exporting:
         camera = self._desk.client.camera
         factor = SIZES.get(self._panel.export.size.value, 1)
         size = size_of(max(camera.image_width, SMALLEST_PIXELS), max(camera.image_height, SMALLEST_PIXELS), factor)
-        with studio(self._desk.client, self._desk.stage, *size) as render:
+        with self._looking.lent(), studio(self._desk.client, self._desk.stage, *size) as render:
             yield render
 
     def _finish(self, sitting: "_Sitting", view: str, pixels: Colors, pose: Pose, fov_rad: float) -> bytes:

@@ -1,6 +1,8 @@
 """How one inspector looks at the scan: modes, views and the orthographic look, colours, shading and density."""
 
+import contextlib
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,11 +54,13 @@ class Looking:
     """Everything about the picture that is no result. Callers hold the desk's lock.
 
     ``mode`` of the colours, ``is_shaded`` and ``percent`` of the points belong to the page and not to the project.
+    ``gone_to`` is where the camera was last sent, and its angle of view: another object with every move.
     """
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
         self._framed: _Framed | None = None
+        self.gone_to: tuple[Pose, float] | None = None
         # How the camera stood before the clouds stood side by side, and where it was put then.
         self._apart: tuple[Pose, Floats] | None = None
         self._is_ortho = False
@@ -131,7 +135,8 @@ class Looking:
         """Set the diameter of the drawn points."""
         if not SMALLEST_POINT_MM <= float(size_mm) <= LARGEST_POINT_MM:
             raise ConfigError(f"point size: got {size_mm!r}; give {SMALLEST_POINT_MM:g} to {LARGEST_POINT_MM:g} mm")
-        self._desk.stage.set_point_size(float(size_mm) / 1000.0)
+        with self._desk.lock:
+            self._desk.stage.set_point_size(float(size_mm) / 1000.0)
 
     def _creases(self, display: Display, normals: Floats) -> Floats:
         if self._crease is None or self._crease[0] is not display:
@@ -249,7 +254,21 @@ class Looking:
             camera.position = pose.position
             # Setting the position drags the point looked at along.
             camera.look_at = pose.look_at
+        self.gone_to = (pose, fov_rad)
         self._framed = None
+
+    @contextlib.contextmanager
+    def lent(self) -> Iterator[None]:
+        """Lend the camera to who puts it back; where the inspector has sent it meanwhile, it goes afterwards."""
+        before = self.gone_to
+        try:
+            yield
+        finally:
+            with self._desk.lock:
+                gone_to, framed = self.gone_to, self._framed
+                if gone_to is not None and gone_to is not before and self._desk.shown is not None:
+                    self.go_to(*gone_to)
+                    self._framed = framed
 
     def reframe(self) -> None:
         """Frame the view again when the picture has another shape, unless somebody has turned it since.

@@ -5,7 +5,8 @@ import json
 
 from stair_inspector.files.palettes import Rgb
 
-DIM = "var(--mantine-color-dimmed)"
+DIM = "light-dark(var(--mantine-color-gray-7), var(--mantine-color-dark-1))"
+"""Of side notes in small letters; what the page calls dimmed is too pale for them."""
 LINE = "var(--mantine-color-default-border)"
 CHOSEN = "rgba(0, 214, 230, 0.22)"
 _LEFT = "text-align:left;padding:3px 4px 3px 8px"
@@ -108,3 +109,19 @@ def pick_script(pick_uuid: str, number: int, word: str = "") -> str:
     """
     name = f"{word} {int(number)}".strip()
     return write_script(pick_uuid, f"'{name}:'+Date.now()")
+
+
+def list_key(entries: tuple[object, ...]) -> int:
+    """Return a number that another list does not have: a row is named by it and its place in that list."""
+    return hash(entries) & 0xFFFF_FFFF
+
+
+def order_button(order_uuid: str | None, word: str, key: int, number: int, title: str) -> str:
+    """Return the cross of a row, which writes ``word key number`` into a hidden control; nothing without one."""
+    if order_uuid is None:
+        return ""
+    return (
+        f'<button type="button" data-order="{word}" title="{text(title)}" aria-label="{text(title)}" '
+        'style="border:0;background:none;cursor:pointer;color:inherit;padding:0 0 0 4px" '
+        f'onclick="{text(pick_script(order_uuid, number, f"{word} {key}"))}">✕</button>'
+    )

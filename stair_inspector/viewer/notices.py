@@ -1,11 +1,12 @@
 """How a page hears of what failed: a sentence on the page, and for what nobody foresaw a line in the server's log."""
 
+import asyncio
 import contextlib
 import logging
 import math
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from typing import Any
 
 import viser
@@ -98,5 +99,21 @@ def from_page(action: Callable[..., None], read: Callable[[], Any] | None = None
     def called(event: Any) -> None:
         if event.client is not None:
             action(*(() if read is None else (read(),)))
+
+    return called
+
+
+def orders_from_page(
+    action: Callable[..., None], read: Callable[[], Any]
+) -> Callable[[Any], Coroutine[None, None, None]]:
+    """Return a callback for a control into which buttons of a list write: each order is read as it comes.
+
+    viser awaits it before it takes the next message. An action that reads the control on a thread of its own may find
+    the order that came next.
+    """
+
+    async def called(event: Any) -> None:
+        if event.client is not None:
+            asyncio.get_running_loop().run_in_executor(None, action, read())
 
     return called

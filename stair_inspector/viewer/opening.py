@@ -7,11 +7,11 @@ from typing import Any
 
 import viser
 
-from stair_inspector.params import OverrulesParams, Params
+from stair_inspector.params import OverrulesParams
 from stair_inspector.viewer.library import Library
 from stair_inspector.viewer.notices import Notices
 from stair_inspector.viewer.panel import Panel
-from stair_inspector.viewer.work import Keeper, KeptWishes, OpenPage, Wish, Work, work_of
+from stair_inspector.viewer.work import Keeper, KeptWishes, OpenPage, Wish, Work, work_beside, work_of
 
 _BROWSER_KEY = "stair_inspector.browser"
 _SCAN_KEY = "stair_inspector.scan"
@@ -32,7 +32,7 @@ class Opening:
         keeper: Keeper,
         panel: Panel,
         notices: Notices,
-        started: Params,
+        started: Work,
         kept: KeptWishes,
         end: Callable[[], None],
     ) -> None:
@@ -56,7 +56,7 @@ class Opening:
             self._panel.controls.load(self._keeper.work.params)
         else:
             labels = self._library.labels()
-            self._open(last if last in labels else labels[0], Work(self._started))
+            self._open(last if last in labels else labels[0], self._started)
         if self._browser_id is not None:
             self._kept.arrive(self._browser_id, self._page)
         self.show()
@@ -86,10 +86,7 @@ class Opening:
         if keeper.has(label):
             self._panel.controls.load(keeper.turn_to(label).params)
         else:
-            # The unit and up belong to the scan that is left, and so do overrules, which are places of it.
-            started = self._started
-            own = dataclasses.replace(keeper.work.params, unit=started.unit, up=started.up, overrules=OverrulesParams())
-            self._open(label, Work(own))
+            self._open(label, work_beside(keeper.work, self._started))
         if label not in self._uploads:
             self._client.local_storage.set_item(_SCAN_KEY, label)
         return True
@@ -129,7 +126,7 @@ class Opening:
             if project is not None:
                 after = work_of(project)
             elif is_saved:
-                after = Work(self._started)
+                after = self._started
             else:
                 # Settings go on; what is a place of the other cloud does not.
                 params = dataclasses.replace(before.params, overrules=OverrulesParams())

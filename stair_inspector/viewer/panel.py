@@ -15,7 +15,7 @@ from stair_inspector.viewer import histogram, html
 from stair_inspector.viewer.choices import Choice
 from stair_inspector.viewer.controls import SettingControls
 from stair_inspector.viewer.legends import legend_html
-from stair_inspector.viewer.notices import from_page
+from stair_inspector.viewer.notices import from_page, orders_from_page
 from stair_inspector.viewer.overlay import overlay_html
 from stair_inspector.viewer.shortcuts import keys_html
 from stair_inspector.viewer.step_marks import StepMark
@@ -94,7 +94,7 @@ class Panel:
         self._add_page_settings(gui, actions)
         # Rows of the tables write here; see markup.pick_script.
         self.picked: Any = gui.add_text("Picked row", "", visible=False)
-        self.picked.on_update(from_page(actions.on_pick, lambda: self.picked.value))
+        self.picked.on_update(orders_from_page(actions.on_pick, lambda: self.picked.value))
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
 

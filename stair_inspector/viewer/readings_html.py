@@ -1,73 +1,103 @@
-"""The readings by hand beside the scan's values, and the logo, as HTML."""
-
-import base64
+"""The readings by hand beside the scan's values, as HTML."""
 
 from stair_inspector.model import Inspection
-from stair_inspector.report.cross_checks import readings_table
-from stair_inspector.report.document import Status
+from stair_inspector.report.cells import QUANTITY_WORDS
+from stair_inspector.report.cross_checks import Compared, compared, readings_table, said_of
+from stair_inspector.report.document import SIGNS
 from stair_inspector.report.fields import ReportBasis
-from stair_inspector.viewer.markup import DIM, LINE, pick_script, text
+from stair_inspector.report.units import (
+    NOT_KNOWN,
+    Shown,
+    Unit,
+    length_text,
+    signed_text,
+    uncertainty_text,
+)
+from stair_inspector.viewer.markup import DIM, LINE, list_key, order_button, text
 from stair_inspector.viewer.step_marks import tone_css
 
 DELETE = "delete"
-"""Word before the number, from 1, of a reading that is to go."""
-_SHOWN = ("Place", "Quantity", "Unit", "By hand", "Scan", "Difference", "Result")
-_CELL = "padding:2px 3px;text-align:right"
-_STYLE = "font-size:12px;line-height:1.3;padding:2px 12px 6px 5px;overflow-wrap:anywhere"
+"""Word before the list's key and the number, from 1, of a reading that is to go."""
+_HEAD = ("By hand", "Scan", "Difference")
+_LEFT = "padding:4px 6px 0 0;text-align:left;vertical-align:top"
+_NUMBER = "padding:4px 0 0 6px;text-align:right;vertical-align:top;white-space:nowrap"
+_SMALL = f"color:{DIM};font-size:10.5px"
+_STYLE = "font-size:12px;line-height:1.3;padding:2px 12px 6px 5px;overflow-wrap:break-word"
 
 
-def readings_html(inspection: Inspection | None, basis: ReportBasis, order_uuid: str | None) -> str:
-    """Return a row for each reading, with its difference from the scan and a button to delete it.
+def readings_html(inspection: Inspection | None, basis: ReportBasis, order_uuid: str | None, unit: Unit = "mm") -> str:
+    """Return two rows for each reading: with its difference from the scan and a button to delete it, and in words.
 
     Parameters
     ----------
     inspection : Inspection, optional
-        Without a result there is nothing to compare with, and nothing is listed.
+        Without a result there is nothing to compare with, and the readings are only counted.
     basis : ReportBasis
         Holds the readings.
     order_uuid : str, optional
         Identity of the control that a button writes to; None for no buttons.
+    unit : str
+        Of lengths on the page.
     """
-    if inspection is None or not basis.readings:
-        words = "No reading yet. Three to five, by tape or digital level, check the scan by other means."
-        return f'<div data-testid="readings" style="{_STYLE};color:{DIM}">{words}</div>'
-    table = readings_table(inspection, basis)
-    at = [next(k for k, column in enumerate(table.columns) if column.name == name) for name in _SHOWN]
-    head = "".join(f'<th style="{_CELL};font-weight:400;color:{DIM}">{name}</th>' for name in _SHOWN)
-    rows = []
-    for number, row in enumerate(table.rows, 1):
-        cells = "".join(f'<td style="{_CELL}{_color(row[k])}">{text(table.columns[k].text(row[k]))}</td>' for k in at)
-        rows.append(
-            f'<tr data-testid="reading-row" title="{text(row[-1])}" style="border-bottom:1px solid {LINE}">{cells}'
-            f"<td>{_button(order_uuid, number)}</td></tr>"
+    if not basis.readings:
+        return _words("No reading yet. Three to five, by tape or digital level, check the scan by other means.")
+    if inspection is None:
+        n_readings = len(basis.readings)
+        of_them = "1 reading is kept; it is" if n_readings == 1 else f"{n_readings} readings are kept; they are"
+        return _words(f"{of_them} listed beside the first result.")
+    key = list_key(basis.readings)
+    head = "".join(f'<th style="{_NUMBER};font-weight:400;color:{DIM}">{name}</th>' for name in _HEAD)
+    rows = "".join(
+        _row(
+            compared(inspection, reading),
+            unit,
+            order_button(order_uuid, DELETE, key, number, f"delete reading {number}"),
         )
+        for number, reading in enumerate(basis.readings, 1)
+    )
     return (
         f'<div data-testid="readings" style="{_STYLE}"><table style="border-collapse:collapse;width:100%;'
-        f'font-variant-numeric:tabular-nums"><thead><tr>{head}<th></th></tr></thead><tbody>{"".join(rows)}</tbody>'
-        f'</table><div style="color:{DIM};font-size:10.5px">{text(table.note)}</div></div>'
+        f'font-variant-numeric:tabular-nums"><thead><tr><th></th>{head}<th></th></tr></thead><tbody>{rows}</tbody>'
+        f'</table><div style="{_SMALL};padding-top:4px">{text(readings_table(inspection, basis).note)}</div></div>'
     )
 
 
-def logo_html(logo: bytes | None) -> str:
-    """Return the logo as the report has it, or that there is none."""
-    if logo is None:
-        return f'<div data-testid="logo" style="{_STYLE};color:{DIM}">No logo.</div>'
-    data = base64.b64encode(logo).decode("ascii")
+def _words(words: str) -> str:
+    return f'<div data-testid="readings" style="{_STYLE};color:{DIM}">{words}</div>'
+
+
+def _row(found: Compared, unit: Unit, button: str) -> str:
+    reading, scanned, result = found.reading, found.scanned, found.result
+    shown: Shown = unit if reading.unit == "m" else "°"
+    difference = NOT_KNOWN if found.difference is None else _with_unit(signed_text(found.difference, shown), shown)
+    cells = "".join(
+        f'<td style="{_NUMBER}">{text(value)} <div style="{_SMALL}">{text(u)}</div></td>'
+        for value, u in (
+            (_size(reading.value, shown), "U not stated" if reading.u is None else _u(reading.u, shown)),
+            (NOT_KNOWN, "") if scanned is None else (_size(scanned.value, shown), _u(scanned.u, shown)),
+            (difference, ""),
+        )
+    )
+    words = f'<b style="color:{tone_css(result.tone)};font-weight:600">{SIGNS[result.tone]} {text(result.words)}</b>'
+    said = said_of(reading)
+    if said:
+        words += f' <div style="{_SMALL}">{text(said)}</div>'
     return (
-        f'<div data-testid="logo" style="{_STYLE}"><img alt="logo" src="data:image/png;base64,{data}" '
-        f'style="max-width:100%;max-height:64px;background:#fff;outline:1px solid {LINE}"></div>'
+        f'<tr data-testid="reading-row"><td style="{_LEFT}">{text(found.place)} <div>'
+        f"{text(QUANTITY_WORDS[reading.quantity])}</div></td>{cells}"
+        f'<td style="vertical-align:top;padding-top:2px">{button}</td></tr>'
+        f'<tr data-testid="reading-result" style="border-bottom:1px solid {LINE}"><td colspan="5" '
+        f'style="padding:0 0 4px;overflow-wrap:anywhere">{words}</td></tr>'
     )
 
 
-def _color(cell: object) -> str:
-    return f";color:{tone_css(cell.tone)};font-weight:600" if isinstance(cell, Status) else ""
+def _size(value: float, shown: Shown) -> str:
+    return length_text(value, shown, 2 if shown == "°" else 1)
 
 
-def _button(order_uuid: str | None, number: int) -> str:
-    if order_uuid is None:
-        return ""
-    return (
-        f'<button type="button" data-order="{DELETE}" title="delete reading {number}" '
-        f'aria-label="delete reading {number}" style="border:0;background:none;cursor:pointer;color:inherit;'
-        f'padding:0 4px" onclick="{text(pick_script(order_uuid, number, DELETE))}">✕</button>'
-    )
+def _u(u: float, shown: Shown) -> str:
+    return f"± {uncertainty_text(u, shown)}"
+
+
+def _with_unit(number: str, shown: Shown) -> str:
+    return f"{number}°" if shown == "°" else f"{number} {shown}"

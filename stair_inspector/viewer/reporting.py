@@ -7,12 +7,25 @@ import zipfile
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from stair_inspector.codes import Check
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.exports import csv_bytes, json_bytes
-from stair_inspector.report.fields import ReportBasis, TapeReading, parse_reading, read_logo
+from stair_inspector.model import Inspection
+from stair_inspector.report.fields import (
+    ON_A_LINE,
+    ReportBasis,
+    TapeReading,
+    check_text,
+    parse_reading,
+    read_logo,
+    read_photo,
+)
 from stair_inspector.report.html import html_bytes
+from stair_inspector.report.moments import odd_moment
 from stair_inspector.report.pdf import pdf_bytes
+from stair_inspector.report.pictures.frames import step_of
 from stair_inspector.report.project_basis import titled
 from stair_inspector.report.render import RenderedView
 from stair_inspector.report.write import DRAWING_SUFFIXES, SUFFIXES, drawing_bytes, make_report
@@ -20,8 +33,10 @@ from stair_inspector.report.xlsx import xlsx_bytes
 from stair_inspector.viewer.checking import Checking
 from stair_inspector.viewer.desk import Desk, Editor, Shown
 from stair_inspector.viewer.making import Making, Tell
+from stair_inspector.viewer.markup import list_key
 from stair_inspector.viewer.panel import Panel
-from stair_inspector.viewer.readings_html import DELETE, logo_html, readings_html
+from stair_inspector.viewer.pictures_html import DELETE_PHOTO, logo_html, photos_html
+from stair_inspector.viewer.readings_html import DELETE, readings_html
 from stair_inspector.viewer.scene_views import SceneViews
 from stair_inspector.viewer.tabs.report import DOCUMENTS, DRAWINGS, EVERYTHING, PAPERS, READING_QUANTITIES, Part
 from stair_inspector.viewer.work import Keeper
@@ -34,6 +49,8 @@ _ENDINGS = {
     **dict(zip((*DOCUMENTS, *DRAWINGS), (*SUFFIXES, *DRAWING_SUFFIXES.values()), strict=True)),
 }
 """How the name of each file ends after that of the scan."""
+_LISTS = {DELETE: ("readings", "reading"), DELETE_PHOTO: ("photos", "photograph")}
+"""What the first word of an order means: a list of the report's basis, and what one of it is called."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
@@ -73,14 +90,28 @@ class Reporting:
 
     def set_text(self, part: Part, name: str, value: object) -> None:
         """Keep a field of the report as it is typed; what is typed in one go is one change."""
+        words = str(value)
+        try:
+            label, kept = self._keep_text(part, name, words)
+        except ConfigError:
+            self._folder.put_back(part, name, words, getattr(getattr(self._editor.work.basis, part), name))
+            raise
+        odd = odd_moment(name, kept)
+        if odd:
+            self._desk.notices.tell(label, odd)
+        self._show_changes()
+
+    def _keep_text(self, part: Part, name: str, words: str) -> tuple[str, str]:
+        """Keep a text, and return its label and what is kept of it."""
         # The fields are not written again meanwhile: more may have been typed by now.
         with self._keeper.lock:
             basis = self._editor.work.basis
             texts = getattr(basis, part)
-            changed = dataclasses.replace(basis, **{part: dataclasses.replace(texts, **{name: str(value)})})
-            label = type(texts).label_of(name)
+            label = str(type(texts).label_of(name))
+            kept = check_text(words, label)
+            changed = dataclasses.replace(basis, **{part: dataclasses.replace(texts, **{name: kept})})
             self._keeper.change(f"report: {label}", f"report {part} {name}", basis=changed)
-        self._show_changes()
+        return label, kept
 
     def set_paper(self, option: str) -> None:
         """Choose the size of the PDF's pages."""
@@ -91,9 +122,9 @@ class Reporting:
     def add_reading(self) -> None:
         """Keep a reading by hand."""
         folder = self._folder
-        quantity = READING_QUANTITIES.get(str(folder.quantity.value))
         kind, _, number = str(folder.place.value).partition(" ")
-        if quantity is None or kind not in ("step", "flight") or not number.isdecimal() or len(number) > 6:
+        quantity = READING_QUANTITIES.get(kind, {}).get(str(folder.quantity.value))
+        if quantity is None or not number.isdecimal() or len(number) > 6:
             raise ConfigError("reading: choose the step or flight and the quantity from the menus")
         unit, written_u = str(folder.unit.value), str(folder.u.value).strip()
         if not str(folder.value.value).strip():
@@ -103,25 +134,46 @@ class Reporting:
             parse_reading(str(folder.value.value), unit, quantity, "reading"),
             step=int(number) if kind == "step" else None,
             flight=int(number) if kind == "flight" else None,
-            line=folder.line.value,
-            u=parse_reading(written_u, unit, quantity, "reading: its U") if written_u else None,
+            line=folder.line.value if quantity in ON_A_LINE else "centre",
+            u=parse_reading(written_u, unit, quantity, "reading: its U", is_u=True) if written_u else None,
             instrument=str(folder.instrument.value),
             note=str(folder.note.value),
+            at=self._place_of(int(number)) if kind == "step" else None,
         )
         self._change(f"reading of {folder.quantity.value}", lambda basis: {"readings": (*basis.readings, reading)})
         folder.value.value = folder.note.value = ""
 
+    def _place_of(self, step_id: int) -> tuple[float, float, float]:
+        """Return the middle of a step's tread, scan frame, metres: its number may change with the settings."""
+        inspection = self._desk.inspection
+        step = step_of(inspection, step_id)
+        if inspection is None or step is None:
+            raise ConfigError(f"reading: step {step_id} is not in the result; choose another one")
+        x, y, z = (float(value) for value in step.plane.centroid + np.array(inspection.scan.origin_m))
+        return x, y, z
+
     def obey(self, message: str) -> None:
-        """Delete the reading that a button of the list names."""
-        word, _, number = str(message).partition(":")[0].partition(" ")
+        """Delete the reading or the photograph that a button of its list names."""
+        word, _, named = str(message).partition(":")[0].partition(" ")
+        key, _, number = named.partition(" ")
+        if word not in _LISTS or not (key.isdecimal() and number.isdecimal()) or len(number) > 6:
+            raise ConfigError(f"report: got {str(message)[:40]!r}; choose a row of the list")
+        entries, one = _LISTS[word]
 
         def without(basis: ReportBasis) -> dict[str, Any]:
-            known = basis.readings
-            if word != DELETE or not number.isdecimal() or len(number) > 6 or not 1 <= int(number) <= len(known):
-                raise ConfigError(f"readings: got {str(message)[:40]!r}; choose a row of the list")
-            return {"readings": known[: int(number) - 1] + known[int(number) :]}
+            known = getattr(basis, entries)
+            # A second click was meant for a row that is no longer there.
+            if key != str(list_key(known)) or not 1 <= int(number) <= len(known):
+                raise ConfigError(f"{entries}: the list has changed since; choose the row once more")
+            return {entries: known[: int(number) - 1] + known[int(number) :]}
 
-        self._change(f"deleted reading {number}", without)
+        self._change(f"deleted {one} {number}", without)
+
+    def take_photo(self, file: Any) -> None:
+        """Keep an uploaded picture as a photograph of the site, with the caption that was written for it."""
+        photo = read_photo(file.content, str(self._folder.caption.value), f"photograph {str(file.name)[:60]!r}")
+        self._change("photograph", lambda basis: {"photos": (*basis.photos, photo)})
+        self._folder.caption.value = ""
 
     def take_logo(self, file: Any) -> None:
         """Keep an uploaded picture as the logo."""
@@ -139,13 +191,14 @@ class Reporting:
         basis, folder = self._editor.work.basis, self._folder
         folder.show_basis(basis)
         folder.logo.content = logo_html(basis.logo)
+        folder.photos.content = photos_html(basis.photos, folder.order._impl.uuid)
         self.show_readings()
 
     def show_readings(self) -> None:
         """Show the readings beside the present result; the caller holds the desk's lock."""
         inspection = self._desk.inspection
         self._folder.readings.content = readings_html(
-            inspection, self._editor.work.basis, self._folder.order._impl.uuid
+            inspection, self._editor.work.basis, self._folder.order._impl.uuid, self._desk.unit
         )
         if inspection is not None:
             self._folder.offer_places(
@@ -199,9 +252,7 @@ class Reporting:
     def _drawn(self, kind: str, order: _Order) -> bytes:
         made = drawing_bytes(order.shown.inspection, order.made_at)
         if _ENDINGS[kind] not in made:
-            raise ConfigError(
-                f"{kind}: no nosing was measured, so there is nothing to draw; measure with the method survey"
-            )
+            raise ConfigError(f"{kind}: {_why_nothing(order.shown.inspection)}")
         return made[_ENDINGS[kind]]
 
     def _views_of(self, order: _Order, tell: Tell) -> tuple[RenderedView, ...]:
@@ -215,6 +266,14 @@ class Reporting:
             tell_view,
             from_scene=bool(self._folder.from_scene.value),
         )
+
+
+def _why_nothing(inspection: Inspection) -> str:
+    if inspection.params.method == "paper":
+        return "the paper's method measures no nosings, so there is nothing to draw; set the method to survey"
+    if not inspection.steps:
+        return "no step was found, so there is nothing to draw; see the notes for the reason"
+    return "no nosing was measured, so there is nothing to draw; see the notes for the reason"
 
 
 def _zipped(files: dict[str, bytes], made_at: datetime.datetime) -> bytes:

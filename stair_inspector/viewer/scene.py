@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
-from typing import Any, Literal
+from functools import partial, wraps
+from typing import Any, Literal, TypeVar, cast
 
 import numpy as np
 import viser
@@ -33,6 +33,17 @@ _LINES = ("/stair/segments/edges", "/stair/segments/nosings", "/stair/segments/o
 """What a section stands in for: the segmentation's points, and the lines of all steps."""
 _PICKED_POINTS = 2.6
 """Diameter of a picked point, in those of the scan."""
+_POINT_FACTORS = {
+    "/stair/raw": 1.0,
+    "/stair/segments/cloud": 1.0,
+    "/stair/segments/centres": 1.6,
+    "/stair/segments/selected": 1.7,
+    "/stair/section/cloud": 1.0,
+    "/stair/measured/points": _PICKED_POINTS,
+}
+"""Diameter of the points of each cloud, in those of the scan."""
+
+Draw = TypeVar("Draw", bound=Callable[..., None])
 
 
 def quaternion(rotation: Floats) -> tuple[float, float, float, float]:
@@ -41,18 +52,39 @@ def quaternion(rotation: Floats) -> tuple[float, float, float, float]:
     return (float(wxyz[0]), float(wxyz[1]), float(wxyz[2]), float(wxyz[3]))
 
 
+def _counted(draw: Draw) -> Draw:
+    """Count what draws, after it has drawn."""
+
+    @wraps(draw)
+    def counted(stage: "Stage", *values: Any, **named: Any) -> None:
+        try:
+            draw(stage, *values, **named)
+        finally:
+            stage.n_drawn += 1
+
+    return cast(Draw, counted)
+
+
 @dataclass
 class Stage:
     """The nodes of one inspector's scene.
 
     Everything hangs below ``/stair``, whose rotation stands the staircase upright, so that a camera always has z up.
     The raw cloud and the segmentation share that frame; side by side, the segmentation moves to the right.
+
+    ``mode`` and ``point_size_m`` are what the inspector has chosen, also while a picture is taken in another mode
+    (:meth:`lend`) or with larger points (:meth:`magnify`). ``n_drawn`` grows with everything that is drawn: as long as
+    it stays, the scene is the same.
     """
 
     client: viser.ClientHandle
     rotation: Floats = field(default_factory=lambda: np.eye(3))
     extent: Floats = field(default_factory=lambda: np.zeros((8, 3)))
     mode: Mode = "Segmented"
+    point_size_m: float = 0.0
+    n_drawn: int = 0
+    _lent: Mode | None = None
+    _magnified: float = 1.0
     _nodes: dict[str, Any] = field(default_factory=dict)
     _per_step: list[tuple[Any, Any]] = field(default_factory=list)
     _step_names: tuple[str, ...] = ()
@@ -63,27 +95,31 @@ class Stage:
     _cut_steps: frozenset[str] = frozenset()
     _covered_steps: frozenset[str] = frozenset()
 
+    @_counted
     def show_scan(self, display: Display, rotation: Floats, point_size_m: float) -> None:
         """Replace everything by a scan, standing upright."""
         self.clear()
         scene = self.client.scene
-        self.rotation = rotation
+        self.rotation, self.point_size_m = rotation, point_size_m
         self.extent = extent_of(display.points @ rotation.T)
         self._nodes["stair"] = scene.add_frame("/stair", show_axes=False, wxyz=quaternion(rotation))
         self._nodes["segments"] = scene.add_frame("/stair/segments", show_axes=False)
-        for name, is_visible in (("/stair/raw", self.mode != "Segmented"), ("/stair/segments/cloud", True)):
+        # The box of the part that counts stands in it.
+        self._nodes["region"] = scene.add_frame("/stair/region", show_axes=False)
+        for name, is_visible in (("/stair/raw", self._mode_shown != "Segmented"), ("/stair/segments/cloud", True)):
             self._nodes[name] = scene.add_point_cloud(
                 name,
                 display.points.astype(np.float32),
                 display.colors,
-                point_size=point_size_m,
+                point_size=self._point_size_of(name),
                 point_shape="circle",
                 point_shading="flat",
                 precision="float32",
                 visible=is_visible,
             )
-        self.set_mode(self.mode)
+        self._show_mode()
 
+    @_counted
     def show_drawing(self, drawing: Drawing, palette: Palette, on_pick: Callable[[int], None]) -> None:
         """Replace the segmentation; ``on_pick(step_id)`` is called when a step's plate is clicked."""
         scene = self.client.scene
@@ -98,7 +134,7 @@ class Stage:
                 "/stair/segments/centres",
                 drawing.centres.astype(np.float32),
                 palette.centre,
-                point_size=1.6 * self._nodes["/stair/raw"].point_size,
+                point_size=self._point_size_of("/stair/segments/centres"),
                 point_shape="circle",
                 point_shading="flat",
                 precision="float32",
@@ -114,6 +150,7 @@ class Stage:
             [(f"/stair/segments/rejected/{name}", name, place, "center-center") for name, place in drawing.rejected],
         )
 
+    @_counted
     def highlight(self, points: Floats, corners: Floats | None, color: Rgb = HIGHLIGHT) -> None:
         """Draw points (k, 3) and the outline of a plate (4, 3) on top of the segmentation, or nothing."""
         if not len(points):
@@ -123,7 +160,7 @@ class Stage:
                 "/stair/segments/selected",
                 points.astype(np.float32),
                 color,
-                point_size=1.7 * self._nodes["/stair/raw"].point_size,
+                point_size=self._point_size_of("/stair/segments/selected"),
                 point_shape="circle",
                 point_shading="flat",
                 precision="float32",
@@ -134,6 +171,7 @@ class Stage:
             outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
         self._replace_lines("/stair/segments/outline", outline, HIGHLIGHT, 2.0 * _EDGE_PIXELS)
 
+    @_counted
     def show_dimensions(self, step_id: int | None, dimensions: Dimensions | None, palette: Palette) -> None:
         """Draw the measuring lines, dimension arrows and labels of a step, or nothing."""
         nothing = np.zeros((0, 2, 3))
@@ -154,10 +192,11 @@ class Stage:
             self._covered_steps = frozenset(str(number) for number in (step_id - 1, step_id, step_id + 1))
         self._show_numbers()
 
+    @_counted
     def show_marks(self, marks: Mapping[int, StepMark]) -> None:
         """Outline the treads of steps that are outside a limit, and put their sign beside their number."""
         outlines, colors = [], []
-        lift_m = 2.0 * self.point_size_m * self.rotation[2]
+        lift_m = 2.0 * self._point_size_of("/stair/raw") * self.rotation[2]
         for (plate, label), name in zip(self._per_step, self._step_names, strict=True):
             mark = marks.get(int(name))
             label.text = name if mark is None else f"{name} {mark.sign}"
@@ -172,6 +211,7 @@ class Stage:
             _MARK_PIXELS,
         )
 
+    @_counted
     def show_section(
         self, points: Floats, colors: Colors, outline: Floats | None, step_ids: Iterable[int] = ()
     ) -> None:
@@ -197,15 +237,16 @@ class Stage:
                 "/stair/section/cloud",
                 points.astype(np.float32),
                 colors,
-                point_size=self._nodes["/stair/raw"].point_size,
+                point_size=self._point_size_of("/stair/section/cloud"),
                 point_shape="circle",
                 point_shading="flat",
                 precision="float32",
             )
         lines = np.zeros((0, 2, 3)) if outline is None else np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
         self._replace_lines("/stair/section/outline", lines, HIGHLIGHT, _ARROW_PIXELS)
-        self.set_mode(self.mode)
+        self._show_mode()
 
+    @_counted
     def show_measurements(self, drawing: MeasureDrawing | None) -> None:
         """Draw what was measured by hand, or nothing; it stays when the result changes."""
         nothing = np.zeros((0, 2, 3))
@@ -218,7 +259,7 @@ class Stage:
                 "/stair/measured/points",
                 drawing.points.astype(np.float32),
                 MEASURED,
-                point_size=_PICKED_POINTS * self._nodes["/stair/raw"].point_size,
+                point_size=self._point_size_of("/stair/measured/points"),
                 point_shape="circle",
                 point_shading="flat",
                 precision="float32",
@@ -229,37 +270,29 @@ class Stage:
             [(f"/stair/measured/labels/{name}", words, place, anchor) for name, words, place, anchor in labels],
         )
 
+    @_counted
     def set_mode(self, mode: Mode) -> None:
         """Show the raw cloud, the segmentation, or both side by side; a section stands in for both clouds."""
         self.mode = mode
-        if "stair" not in self._nodes:
-            return
-        self._nodes["/stair/raw"].visible = mode != "Segmented" and not self._is_cut
-        for name in (*_CLOUDS, *_LINES):
-            if name in self._nodes:
-                self._nodes[name].visible = not self._is_cut
-        self._show_numbers()
-        self._nodes["segments"].visible = mode != "Raw"
-        # Along the view's x axis, given in the frame's own axes.
-        self._nodes["segments"].position = self.shift_m() * self.rotation[0]
+        self._show_mode()
 
+    @_counted
+    def lend(self, mode: Mode | None) -> None:
+        """Show a mode for a picture, without what has no part in pictures; None shows again what is chosen."""
+        self._lent = mode
+        self._show_mode()
+
+    @_counted
     def set_point_size(self, size_m: float) -> None:
         """Set the diameter of the points, metres."""
-        for name, factor in (
-            ("/stair/raw", 1.0),
-            ("/stair/segments/cloud", 1.0),
-            ("/stair/segments/centres", 1.6),
-            ("/stair/segments/selected", 1.7),
-            ("/stair/section/cloud", 1.0),
-            ("/stair/measured/points", _PICKED_POINTS),
-        ):
-            if name in self._nodes:
-                self._nodes[name].point_size = factor * size_m
+        self.point_size_m = size_m
+        self._size_points()
 
-    @property
-    def point_size_m(self) -> float:
-        """Diameter of the points, metres; of a scan that is shown."""
-        return float(self._nodes["/stair/raw"].point_size)
+    @_counted
+    def magnify(self, factor: float) -> None:
+        """Draw points so many times as large as chosen, for a picture; 1 draws them again as chosen."""
+        self._magnified = factor
+        self._size_points()
 
     def visible_extent(self) -> Floats:
         """Return the corners (n, 3) of what the present mode shows, in the coordinates of the view."""
@@ -270,10 +303,11 @@ class Stage:
 
     def shift_m(self) -> float:
         """Return how far to the right the segmentation stands, metres; 0 unless it stands beside the raw cloud."""
-        if self.mode != "Side by side" or self._is_cut:
+        if self._mode_shown != "Side by side" or self._is_cut:
             return 0.0
         return float(np.ptp(self.extent[:, 0])) * (1.0 + _GAP_SHARE)
 
+    @_counted
     def clear(self) -> None:
         """Remove everything."""
         self._remove_steps()
@@ -283,6 +317,32 @@ class Stage:
         self._is_cut = False
         for name in list(self._nodes)[::-1]:
             self._remove(name)
+
+    @property
+    def _mode_shown(self) -> Mode:
+        return self._lent or self.mode
+
+    def _show_mode(self) -> None:
+        if "stair" not in self._nodes:
+            return
+        mode = self._mode_shown
+        self._nodes["/stair/raw"].visible = mode != "Segmented" and not self._is_cut
+        for name in (*_CLOUDS, *_LINES):
+            if name in self._nodes:
+                self._nodes[name].visible = not self._is_cut
+        self._show_numbers()
+        self._nodes["region"].visible = self._lent is None
+        self._nodes["segments"].visible = mode != "Raw"
+        # Along the view's x axis, given in the frame's own axes.
+        self._nodes["segments"].position = self.shift_m() * self.rotation[0]
+
+    def _point_size_of(self, name: str) -> float:
+        return _POINT_FACTORS[name] * self.point_size_m * self._magnified
+
+    def _size_points(self) -> None:
+        for name in _POINT_FACTORS:
+            if name in self._nodes:
+                self._nodes[name].point_size = self._point_size_of(name)
 
     def _show_numbers(self) -> None:
         for (_, label), name in zip(self._per_step, self._step_names, strict=True):

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -11,12 +12,13 @@ from stair_inspector.geometry.arrays import Colors
 from stair_inspector.report.pictures.cameras import FOV_RAD, ORTHO_FOV_RAD, Pose, View, with_fov
 from stair_inspector.report.pictures.coloring import ColorMode, color_points
 from stair_inspector.report.pictures.legends import Legend, line_entries
-from stair_inspector.report.pictures.picture import Caption, picture_png, scale_of
+from stair_inspector.report.pictures.picture import Caption, Scale, picture_png, scale_of
 from stair_inspector.report.pictures.segmentation import draw
-from stair_inspector.report.render import RenderedView, report_views, residual_views
+from stair_inspector.report.render import RenderedView, is_residual_map, report_views, residual_views
 from stair_inspector.viewer.desk import Desk, Shown
 from stair_inspector.viewer.looking import Looking
 from stair_inspector.viewer.results import Results
+from stair_inspector.viewer.scene import Mode
 from stair_inspector.viewer.step_marks import MARKED, TONE_RGB
 from stair_inspector.viewer.studio import studio
 
@@ -37,8 +39,11 @@ _LEAST_HEIGHT = 240
 _MARGIN = 24
 """Of a picture above and below what is seen, pixels."""
 _TIMEOUT_S = 20.0
-_NOT_TAKEN = "drawn by the program, not taken of the scene: the page did not deliver its pictures in time"
-_CHANGED = "drawn by the program, not taken of the scene: it changed while its pictures were taken"
+_TRIES = 4
+"""Of a picture while which something was drawn."""
+_DRAWN = "drawn by the program"
+_NOT_TAKEN = f"{_DRAWN}, not taken of the scene: the page did not deliver its pictures in time"
+_CHANGED = f"{_DRAWN}, not taken of the scene: it changed while its pictures were taken"
 
 
 class _ChangedError(ConfigError):
@@ -97,50 +102,76 @@ class SceneViews:
         tell(0, 1)
         self._desk.notices.tell("Views of the report", f"They are {why}.")
         views = report_views(shown.scan, shown.inspection, date, title=title, unit=self._desk.unit)
-        return tuple(dataclasses.replace(view, caption=f"{view.caption} ({why})") for view in views)
+        # Said once in full; maps of single treads are never taken of a scene.
+        told = {view.key: _DRAWN for view in views if not is_residual_map(view)}
+        told[views[0].key] = why
+        return tuple(
+            dataclasses.replace(view, caption=f"{view.caption} ({told[view.key]})") if view.key in told else view
+            for view in views
+        )
 
     def _of_scene(
         self, shown: Shown, date: str, title: str, tell: Callable[[int, int], None]
     ) -> tuple[RenderedView, ...]:
-        desk, wanted = self._desk, _VIEWS if shown.inspection.steps else _VIEWS[:1]
-        before, marks = desk.stage.mode, self._results.marks
+        wanted = _VIEWS if shown.inspection.steps else _VIEWS[:1]
+        before, marks = self._desk.stage.mode, self._results.marks
         made = []
         try:
-            with studio(desk.client, desk.stage, _WIDTH, _HEIGHT, _TIMEOUT_S) as render:
+            with (
+                self._looking.lent(),
+                studio(self._desk.client, self._desk.stage, _WIDTH, _HEIGHT, _TIMEOUT_S) as render,
+            ):
                 for number, (subject, view, share, words) in enumerate(wanted):
-                    tell(number, len(wanted))
-                    png = self._picture(render, shown, subject, view, date, title, 1.0 / share)
-                    if self._results.marks is not marks:
+                    pixels, legend, scale = self._at_rest(
+                        render, shown, subject, view, partial(tell, number, len(wanted))
+                    )
+                    if self._results.marks != marks:
                         raise _ChangedError("report: the marks have changed")
+                    burned = Caption(title, shown.label, f"{subject.lower()}, {view.lower()} view", date, "")
+                    png = picture_png(_without_emptiness(pixels), burned, legend, scale, "White", 1.0 / share)
                     caption = f"{subject}, {view.lower()} view: {words}"
                     made.append(RenderedView(f"{subject}_{view}".lower(), caption, png, share))
         finally:
-            with desk.lock:
-                desk.stage.set_mode(before)
-                self._redraw()
+            self._give_back(before)
         return tuple(made)
 
-    def _picture(
+    def _at_rest(
         self,
         render: Callable[[Pose, float], Colors],
         shown: Shown,
         subject: Subject,
         view: View,
-        date: str,
-        title: str,
-        text_scale: float,
-    ) -> bytes:
-        desk = self._desk
+        tell: Callable[[], None],
+    ) -> tuple[Colors, Legend | None, Scale]:
+        """Return a picture while which nothing was drawn, with its legend and scale.
+
+        The inspector goes on working: what was drawn meanwhile may be in the picture, which is then taken once more.
+        """
+        desk, stage = self._desk, self._desk.stage
+        for _ in range(_TRIES):
+            tell()
+            with desk.lock:
+                legend, pose, fov_rad = self._dress(shown, subject, view)
+                scale = scale_of(pose, fov_rad, _HEIGHT, desk.unit)
+                n_drawn, gone_to = stage.n_drawn, self._looking.gone_to
+            pixels = render(pose, fov_rad)
+            with desk.lock:
+                if stage.n_drawn == n_drawn and self._looking.gone_to is gone_to:
+                    return pixels, legend, scale
+        raise _ChangedError("report: the scene keeps changing")
+
+    def _give_back(self, mode_before: Mode) -> None:
+        """Show the scene as the inspector has it, with what was chosen while pictures were taken."""
+        desk, stage = self._desk, self._desk.stage
         with desk.lock:
-            legend, pose, fov_rad = self._dress(shown, subject, view)
-            mode = desk.stage.mode
-        pixels = render(pose, fov_rad)
-        with desk.lock:
-            if desk.shown is not shown or desk.stage.mode != mode:
-                raise _ChangedError("report: the scene has changed")
-        caption = Caption(title, shown.label, f"{subject.lower()}, {view.lower()} view", date, "")
-        scale = scale_of(pose, fov_rad, _HEIGHT, desk.unit)
-        return picture_png(_without_emptiness(pixels), caption, legend, scale, "White", text_scale)
+            chosen = stage.mode
+            # The camera stands again as it did in that mode, and follows the steps into the one chosen since.
+            stage.set_mode(mode_before)
+            stage.lend(None)
+            self._redraw()
+            if chosen != mode_before:
+                self._looking.set_mode(chosen)
+                self._redraw()
 
     def _dress(self, shown: Shown, subject: Subject, view: View) -> tuple[Legend | None, Pose, float]:
         """Draw the scene for a picture: on white, in the subject's colours, with nothing chosen and not cut."""
@@ -156,7 +187,7 @@ class SceneViews:
             drawing = draw(shown.inspection, shown.display, shown.scan.points, palette, colors=coloring.colors)
             stage.show_drawing(drawing, palette, desk.notices.guard(self._results.select))
             stage.show_marks(self._results.marks)
-            stage.set_mode("Raw" if subject == "Raw" else "Segmented")
+            stage.lend("Raw" if subject == "Raw" else "Segmented")
             pose = self._looking.pose_of(shown, view, _WIDTH / _HEIGHT)
         # Flat views are drawings: parallels stay parallel, whatever look the inspector has chosen.
         fov_rad = FOV_RAD if view == "Home" else ORTHO_FOV_RAD

@@ -56,8 +56,8 @@ class Session:
         Shared with the other inspectors.
     library : Library
         The scans, and where projects are saved.
-    params : Params
-        Settings to begin with and to reset to.
+    started : Work
+        What the work on a scan begins with; its settings are also those to reset to.
     palettes : tuple of Palette
         Colours of the page in its light and in its dark theme.
     kept : KeptWishes
@@ -71,13 +71,13 @@ class Session:
         client: viser.ClientHandle,
         workshop: Workshop,
         library: Library,
-        params: Params,
+        started: Work,
         palettes: tuple[Palette, Palette],
         kept: KeptWishes,
         end: Callable[[], None],
     ) -> None:
         self._client = client
-        self._started = params
+        self._started = params = started.params
         self._error: str | None = None
         # Why the controls, as they stand now, can not even be asked for.
         self._refusal: str | None = None
@@ -95,7 +95,7 @@ class Session:
         self._redraws: Newest[None] = Newest(lambda _: redraw(), name=f"stair-points-{client.client_id}")
         offers = Offers(library.labels(), tuple(known_presets(params)), tuple(sweep_titles().values()))
         self.panel = Panel(client, offers, params, actions_of(self))
-        self.opening = Opening(client, library, self.keeper, self.panel, self.notices, params, kept, end)
+        self.opening = Opening(client, library, self.keeper, self.panel, self.notices, started, kept, end)
         self.results = Results(self.desk, self.panel)
         self.checking = Checking(self.desk, self.panel, self.results, self)
         self.making = Making(self.show_making, lambda: self.desk.is_closed)
@@ -394,6 +394,7 @@ class Session:
             self.results.set_unit(option)
             self.toolbar.show()
             self.show_runs()
+            self.reporting.show_readings()
 
     def _on_camera(self) -> None:
         with self.desk.lock:

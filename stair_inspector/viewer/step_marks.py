@@ -13,7 +13,13 @@ from stair_inspector.report.rule_tables import TONES
 from stair_inspector.viewer.markup import DIM, text
 
 TONE_RGB: dict[Tone, Rgb] = {"good": (47, 158, 68), "close": (232, 89, 12), "bad": (224, 49, 49)}
-"""Colours that read well on the light and on the dark theme; each has a sign beside it."""
+"""Colours of marks in the scene; each has a sign beside it."""
+TONE_CSS: dict[Tone, str] = {
+    "good": "light-dark(#237032, #51cf66)",
+    "close": "light-dark(#b03a07, #ff922b)",
+    "bad": "light-dark(#c92a2a, #ff8787)",
+}
+"""Colours of words, on the light and on the dark theme: of small letters at least 4.5 times as bright or as dark."""
 MARKED: dict[Tone, str] = {
     "bad": f"{SIGNS['bad']} outside a limit",
     "close": f"{SIGNS['close']} outside by less than U",
@@ -37,22 +43,29 @@ class StepMark:
 
 
 def marks_of(inspection: Inspection | None, check: Check | None) -> dict[int, StepMark]:
-    """Return a mark for every step that has a value outside a limit; advice does not count.
-
-    Of two steps whose difference is too large, that which is farther from the flight's median is marked: it is the odd
-    one. Where both are as far, both are.
-    """
+    """Return a mark for every step that has a value outside a limit; advice does not count."""
     if inspection is None or check is None:
         return {}
-    found: dict[int, list[Finding]] = {}
-    for outside in check.findings:
-        if outside.rule.severity == "limit" and outside.verdict.is_outside:
-            for step_id in _odd_ones(inspection, outside):
-                found.setdefault(step_id, []).append(outside)
-    return {
-        step_id: StepMark(tone_of(gravest(tuple(own)).verdict), "; ".join(map(_words_of, own)))
-        for step_id, own in sorted(found.items())
-    }
+    marks = {}
+    for step_id, findings in findings_at_steps(inspection, check).items():
+        own = tuple(found for found in findings if found.verdict.is_outside and found.rule.severity == "limit")
+        if own:
+            words = "; ".join(_words_of(check, found) for found in own)
+            marks[step_id] = StepMark(tone_of(gravest(own).verdict), words)
+    return marks
+
+
+def findings_at_steps(inspection: Inspection, check: Check) -> dict[int, tuple[Finding, ...]]:
+    """Return what is said of every step, by its number.
+
+    Of two steps whose difference is too large, it is said of that which is farther from the flight's median: it is the
+    odd one. Where both are as far, it is said of both.
+    """
+    told: dict[int, list[Finding]] = {step.step_id: [] for step in inspection.steps}
+    for found in check.findings:
+        for step_id in _odd_ones(inspection, found) if found.verdict.is_outside else found.steps:
+            told[step_id].append(found)
+    return {step_id: tuple(findings) for step_id, findings in sorted(told.items())}
 
 
 def tone_of(verdict: Verdict) -> Tone:
@@ -62,7 +75,7 @@ def tone_of(verdict: Verdict) -> Tone:
 
 def tone_css(tone: Tone) -> str:
     """Return a tone's colour for a style."""
-    return f"rgb{TONE_RGB[tone]}" if tone in TONE_RGB else DIM
+    return TONE_CSS.get(tone, DIM)
 
 
 def mark_html(mark: StepMark | None) -> str:
@@ -87,6 +100,9 @@ def _odd_ones(inspection: Inspection, found: Finding) -> tuple[int, ...]:
     return tuple(step_id for step_id, far in away.items() if far >= max(away.values()) - _TIE_M)
 
 
-def _words_of(found: Finding) -> str:
-    limit = "" if found.limit is None else f" (limit {found.limit.text}, {found.rule.clause})"
+def _words_of(check: Check, found: Finding) -> str:
+    limit = ""
+    if found.limit is not None:
+        own = ", changed by the user" if check.edit_behind(found) is not None else ""
+        limit = f" (limit {found.limit.text}{own}, {found.rule.clause})"
     return f"{found.rule.term} {value_text(found)}, {found.verdict.words}{limit}"

@@ -36,9 +36,9 @@ def studio(
     """
     camera = client.camera
     before = Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
-    fov_rad, size_m = float(camera.fov), stage.point_size_m
+    fov_rad = float(camera.fov)
     # Points are drawn in pixels of the window: in a larger picture gaps would open between them.
-    stage.set_point_size(size_m * height / max(camera.image_height, 1))
+    stage.magnify(height / max(camera.image_height, 1))
 
     def render(pose: Pose, fov: float) -> Colors:
         try:
@@ -64,7 +64,7 @@ def studio(
     try:
         yield render
     finally:
-        stage.set_point_size(size_m)
+        stage.magnify(1.0)
         place_camera(client, before, fov_rad)
 
 

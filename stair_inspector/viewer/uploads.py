@@ -6,7 +6,7 @@ from typing import Any
 import viser
 import viser._messages
 
-from stair_inspector.errors import StairError
+from stair_inspector.errors import ConfigError, StairError
 
 _SHOWN_S = 15.0
 LARGEST_SMALL_BYTES = 20_000_000
@@ -15,7 +15,9 @@ SMALL_SUFFIXES = (".toml", ".json", ".png", ".jpg", ".jpeg")
 
 
 def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None]) -> None:
-    """Refuse uploads that ``check(name, size)`` raises for, and parts that are more than was said.
+    """Refuse uploads that do not fit their button, and parts that are more than was said.
+
+    A button that offers small files alone takes no others; scans are refused where ``check(name, size)`` raises.
 
     The names used here are private to viser, hence the exact version in ``pyproject.toml`` and tests that upload.
     """
@@ -27,7 +29,8 @@ def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None])
 
     def start(client_id: int, message: Any) -> None:
         try:
-            _check(str(message.filename), message.size_bytes, check)
+            button = gui._gui_input_handle_from_uuid.get(message.source_component_uuid)
+            _check(str(message.filename), message.size_bytes, _suffixes_of(button), check)
         except StairError as error:
             # The page waits for the parts to be acknowledged, and would then say that all went well.
             connection.queue_message(
@@ -54,8 +57,22 @@ def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None])
     connection.register_handler(part_of, part)
 
 
-def _check(name: str, size: object, check: Callable[[str, int], None]) -> None:
+def _suffixes_of(button: Any) -> tuple[str, ...]:
+    """Return what files the dialog of a button offers."""
+    return tuple(str(button.mime_type).split(",")) if isinstance(button, viser.GuiUploadButtonHandle) else ()
+
+
+def _check(name: str, size: object, suffixes: tuple[str, ...], check: Callable[[str, int], None]) -> None:
     n_bytes = size if isinstance(size, int) else 0
-    if name.lower().endswith(SMALL_SUFFIXES) and 0 < n_bytes <= LARGEST_SMALL_BYTES:
+    if not suffixes or not set(suffixes) <= set(SMALL_SUFFIXES):
+        check(name, n_bytes)
         return
-    check(name, n_bytes)
+    if not name.lower().endswith(suffixes):
+        raise ConfigError(f"upload: {name[:60]!r} does not belong here; give a file that ends in {', '.join(suffixes)}")
+    if n_bytes <= 0:
+        raise ConfigError(f"upload: {name[:60]!r} is empty; give another file")
+    if n_bytes > LARGEST_SMALL_BYTES:
+        raise ConfigError(
+            f"upload: {name[:60]!r} has {n_bytes / 1e6:,.1f} MB and {LARGEST_SMALL_BYTES / 1e6:,.0f} MB are allowed; "
+            "give a smaller file"
+        )

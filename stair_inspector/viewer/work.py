@@ -21,8 +21,8 @@ from stair_inspector.files.projects import (
     check_title,
     save_project,
 )
-from stair_inspector.params import Params
-from stair_inspector.report.fields import ReportBasis, basis_to_dict
+from stair_inspector.params import OverrulesParams, Params
+from stair_inspector.report.fields import FIELD_GROUPS, ReportBasis, basis_to_dict
 from stair_inspector.report.project_basis import basis_of
 from stair_inspector.viewer.history import History
 from stair_inspector.viewer.library import Library, state_of
@@ -52,6 +52,29 @@ class Work:
         check_title(self.title)
         for name in ("measurements", "views", "runs"):
             check_entries(name, getattr(self, name))
+
+
+_OF_THE_SURVEYOR = ("inspector", "firm", "licence", *FIELD_GROUPS["Instrument"])
+"""Fields of a report that are the same for the next stair of a survey."""
+
+
+def work_beside(work: Work, started: Work) -> Work:
+    """Return the work that another scan begins with: what belongs to the scan that is left stays with it.
+
+    Settings go on, and so do the rule set, the firm, the surveyor, the instrument and the logo. The unit, up and
+    overrules belong to the scan; a limit that was changed, with its reason, to the stair.
+    """
+    params = dataclasses.replace(
+        work.params, unit=started.params.unit, up=started.params.up, overrules=OverrulesParams()
+    )
+    fields = {name: getattr(work.basis.fields, name) for name in _OF_THE_SURVEYOR}
+    basis = dataclasses.replace(
+        started.basis,
+        fields=dataclasses.replace(started.basis.fields, **fields),
+        logo=work.basis.logo,
+        paper=work.basis.paper,
+    )
+    return Work(params, rules=dataclasses.replace(work.rules, edits=(), left=()), basis=basis)
 
 
 class Changes(TypedDict, total=False):

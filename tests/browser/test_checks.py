@@ -14,7 +14,8 @@ from tests.browser.test_layout import TABS
 from tests.browser.test_layout import check as check_layout
 from tests.browser.test_workspace import LARGE, button, open_folder, row_input, upload
 
-SHARED, ELEMENTARY, UK = "kr-16-housing-shared", "kr-15-elementary", "uk-adk-2013-general-access"
+SHARED, UK = "kr-16-housing-shared", "uk-adk-2013-general-access"
+IBC, IRC = "us-ibc-2024", "us-irc-2024"
 OWN_RULES = (static_configs() / "codes" / "us-irc-2024.toml").read_text("utf-8").replace("us-irc-2024", "my-rules", 1)
 
 
@@ -29,8 +30,8 @@ def page(page):
 
 
 def label_of(set_id):
-    group = {"kr": "Korea", "uk": "UK", "us": "US"}[set_id.split("-")[0]]
-    return f"{group} · {find_rule_set(set_id).title}"
+    country, _, short = set_id.partition("-")
+    return f"{ {'kr': 'Korea', 'uk': 'UK', 'us': 'US'}[country] } · {short} · {find_rule_set(set_id).title}"
 
 
 def choose_rules(page, label, set_id):
@@ -79,6 +80,11 @@ def test_results_by_rule_and_by_step_are_those_of_the_check_and_failing_steps_ar
     assert failing
     assert marks(page, "Steps") == failing
     assert marks(page, "Tune") == failing
+    page.tab("Checks")
+    rows = page.page.locator("[data-testid=check-step-row]:has([data-testid=mark])").all()
+    assert {
+        int(row.get_attribute("data-of")): row.locator("[data-testid=mark]").inner_text() for row in rows
+    } == failing
     page.await_node("/stair/segments/outside")
     assert share_changed(before, page.still_picture(unlike=before)) > 0.001
     assert "outside a limit" in page.text("legend")
@@ -125,7 +131,7 @@ def test_a_limit_is_changed_with_a_reason_marked_kept_in_the_project_and_taken_b
     row_input(page, "Why").fill("agreed <b>with</b> the client")
     page.page.wait_for_timeout(THROTTLE_MS)
     button(page, "Change the limit").click()
-    page.by_id("edited").wait_for()
+    page.by_id("edited").first.wait_for()
     changed = edited(base, rule.rule_id, "maximum", Limit.of("165", "mm"), "agreed <b>with</b> the client")
     assert verdicts(page) == wanted(check(measured(), changed))
     assert "170 mm → 165 mm – agreed <b>with</b> the client" in page.text("check-edits")
@@ -134,10 +140,45 @@ def test_a_limit_is_changed_with_a_reason_marked_kept_in_the_project_and_taken_b
     assert parse_project(content, name).rules.edits == changed.edits
     page.tab("Checks")
     button(page, "As in the file: this rule").click()
-    page.by_id("edited").wait_for(state="detached")
+    page.by_id("edited").first.wait_for(state="detached")
     assert verdicts(page) == wanted(check(measured(), base))
     page.hotkey("Control+z")
-    page.by_id("edited").wait_for()
+    page.by_id("edited").first.wait_for()
+    # The set keeps its changes: what comes after finds it as in the file.
+    page.hotkey("Control+Shift+z")
+    page.by_id("edited").first.wait_for(state="detached")
+
+
+@pytest.mark.slow
+def test_the_editor_shows_the_limit_that_would_be_changed(page):
+    choose_rules(page, label_of(IBC), IBC)
+    open_folder(page, "Checks", "Change a limit", button(page, "Change the limit"))
+    limit = row_input(page, "New limit")
+    page.page.locator("[data-testid=rule-row][data-rule='tread-depth']").click()
+    page.page.wait_for_function("() => document.querySelector('[data-rule=tread-depth][aria-expanded=true]')")
+    assert (limit.input_value(), page.page.get_by_label("Side", exact=True).input_value()) == ("11 in", "minimum")
+    page.choose("Side", "maximum")
+    button(page, "Add a maximum: there is none").wait_for()
+    assert limit.input_value() == ""
+    page.page.locator("[data-testid=rule-row][data-rule='riser']").click()
+    button(page, "Change the limit").wait_for()
+    assert limit.input_value() == "7 in"
+    limit.fill("180 mm")
+    row_input(page, "Why").fill("city amendment")
+    page.page.wait_for_timeout(THROTTLE_MS)
+    button(page, "Change the limit").click()
+    page.by_id("edited").first.wait_for()
+    assert "1 limit was changed by the user" in page.text("check")
+    choose_rules(page, label_of(IRC), IRC)
+    assert "keeps 1 changed limit" in page.await_notification("Changed limits and overlays")
+    page.close_notifications()
+    assert limit.input_value() == "7 3/4 in"
+    choose_rules(page, label_of(IBC), IBC)
+    page.by_id("edited").first.wait_for()
+    assert limit.input_value() == "180 mm"
+    page.close_notifications()
+    button(page, "As in the file: all rules").click()
+    page.by_id("edited").first.wait_for(state="detached")
 
 
 @pytest.mark.slow
@@ -171,7 +212,7 @@ def test_an_own_rule_file_is_a_set_of_the_menu_and_a_bad_one_is_a_sentence(page,
     page.close_notifications()
     upload(page, "Load a rule file", "mine.toml", OWN_RULES.encode())
     page.page.locator("[data-testid=check][data-set='my-rules']").wait_for()
-    assert page.page.get_by_label("Rule set", exact=True).first.input_value().startswith("Own · International Resid")
+    assert page.page.get_by_label("Rule set", exact=True).first.input_value().startswith("Own · my-rules · Internation")
     assert verdicts(page) == wanted(check(measured(), find_rule_set("us-irc-2024")))
     with page.page.expect_download() as waiting:
         button(page, "Save the file of this set").click()

@@ -194,6 +194,59 @@ def test_a_logo_is_shown_kept_and_removed_and_what_is_none_is_refused(page):
     page.by_id("logo").locator("img").wait_for(state="detached")
 
 
+_BROKEN_WORDS = """(element) => {
+    const broken = [];
+    const walker = document.createTreeWalker(element, NodeFilter.SHOW_TEXT);
+    while (walker.nextNode()) {
+        for (const word of walker.currentNode.data.matchAll(/\\S+/g)) {
+            const range = document.createRange();
+            range.setStart(walker.currentNode, word.index);
+            range.setEnd(walker.currentNode, word.index + word[0].length);
+            if (range.getClientRects().length > 1) broken.push(word[0]);
+        }
+    }
+    return broken;
+}"""
+"""Words of an element that stand on more than one line."""
+
+
+@pytest.mark.slow
+def test_readings_are_listed_without_a_break_in_a_word_or_figure_in_either_unit(open_page):
+    page = open_page()
+    add_reading(page, "step 2", "nosing overhang", "-1210.5")
+    page.by_id("reading-row").first.wait_for()
+    add_reading(page, "step 1", "rise", "171.5 mm")
+    page.by_id("reading-row").nth(1).wait_for()
+    add_reading(page, "flight 1", "total run", "1910")
+    page.by_id("reading-row").nth(2).wait_for()
+    for unit, words in (("mm", "1910.0 mm"), ("in", "75 3/16 in")):
+        button(page, unit).first.click()
+        page.page.wait_for_function(
+            "(words) => document.querySelector('[data-testid=readings]').innerText.includes(words)", arg=words
+        )
+        assert page.by_id("readings").evaluate(_BROKEN_WORDS) == []
+        cells = (
+            page.by_id("reading-row")
+            .locator("td")
+            .evaluate_all("(cells) => cells.map((cell) => cell.scrollWidth <= cell.clientWidth)")
+        )
+        assert all(cells)
+
+
+@pytest.mark.slow
+def test_the_menus_offer_what_fits_the_place(page):
+    open_folder(page, "Export", "Readings by hand", button(page, "Add the reading"))
+    page.choose("At", "flight 1")
+    page.choose("What is read", "pitch")
+    page.choose("Unit", "deg")
+    page.page.get_by_text("On the line", exact=True).wait_for(state="detached")
+    page.choose("At", "step 1")
+    page.choose("What is read", "rise")
+    page.choose("Unit", "mm")
+    page.choose("On the line", "left")
+    page.choose("On the line", "centre")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [None, LARGE], ids=["small", "large"])
 def test_the_tab_fits_light_and_dark_with_everything_open(open_page, size):

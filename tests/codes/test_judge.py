@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from stair_inspector.codes import Check, Limit, Verdict, check, edited, gravest
 from stair_inspector.codes.rules import Condition
-from stair_inspector.codes.text import check_text, verdict_sentence
+from stair_inspector.codes.text import check_text, value_text, verdict_sentence
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.check_records import check_record
 from stair_inspector.files.rule_sets import find_rule_set
@@ -229,7 +229,10 @@ def test_no_staircase_is_no_pass():
     assert not result.is_judged
     assert not result.is_outside
     sentence = verdict_sentence(result)
-    assert sentence == "Nothing could be judged against my-set; 2 values were not measured, which is no pass."
+    assert sentence == (
+        "Nothing could be judged against a limit of Code, 2024; nothing was measured, which is no pass: no staircase "
+        "was found."
+    )
 
 
 def test_the_papers_values_are_not_judged():
@@ -392,7 +395,7 @@ def test_where_the_condition_is_close_and_the_value_inside_it_is_within():
 
 def test_a_rule_that_does_not_apply_is_not_called_unjudged():
     result = judged(inspection_of(even(nosing_overhang=0.005)), NOSING, RISER)
-    assert verdict_sentence(result) == "Nothing that was measured is outside a limit of my-set."
+    assert verdict_sentence(result) == "Nothing that was measured is outside a limit of Code, 2024."
     single = judged(inspection_of([step(1)], [flight_of([step(1)], n_risers=1)]), GOING_RANGE, RISER)
     assert "what was not judged" not in verdict_sentence(single)
 
@@ -412,6 +415,50 @@ def test_simple_acceptance_lets_the_value_decide_whether_a_rule_applies():
     for going, verdict in ((0.2790, Verdict.OUTSIDE), (0.2798, Verdict.NOT_JUDGED)):
         steps = changed(even(nosing_overhang=0.005), 2, going_m=measured(going, 0.001))
         assert judged(inspection_of(steps), NOSING, decision="simple").findings[0].verdict is verdict
+
+
+# --- what was not seen or may not apply hides nothing --------------------------------------------------------------
+
+
+def test_the_unseen_top_riser_is_open_between_neighbours_too():
+    treads = [step(k, u=0.0002) for k in range(1, 4)]
+    reason = "the upper end of the flight was not seen: there may be risers above step 3"
+    for each in (RISER, ADJACENT):
+        last = judged(inspection_of(treads), each).findings[-1]
+        assert (last.steps, last.verdict, last.reason) == ((), Verdict.NOT_MEASURED, reason)
+    landed = [*treads[:2], step(3, "landing", u=0.0002)]
+    assert {found.verdict for found in judged(inspection_of(landed), ADJACENT).findings} == {Verdict.WITHIN}
+    single = judged(inspection_of(treads[:1]), ADJACENT).findings
+    assert [(found.verdict, found.applies) for found in single] == [(Verdict.NOT_MEASURED, True)]
+    # Nothing is missing above the goings.
+    adjacent_goings = dataclasses.replace(ADJACENT, quantity="going")
+    assert all(found.steps for found in judged(inspection_of(treads), adjacent_goings).findings)
+
+
+def test_a_step_at_which_the_clause_may_not_apply_does_not_excuse_the_others():
+    spread = dataclasses.replace(NOSING, statistic="flight_range", minimum=None, maximum=Limit.of("10", "mm"))
+
+    def flight(*overhangs, last_going):
+        steps = [step(k, going=0.25, nosing_overhang=each, u=0.0002) for k, each in enumerate(overhangs, 1)]
+        steps.append(step(len(steps) + 1, "landing"))
+        return inspection_of(changed(steps, len(overhangs), going_m=measured(last_going, 0.001)))
+
+    (found,) = judged(flight(0.020, 0.050, 0.051, last_going=0.2795), spread).findings
+    assert (found.steps, found.verdict) == ((1, 2), Verdict.OUTSIDE)
+    assert found.value == pytest.approx(0.030)
+    # Without the uncertain one nothing is beyond the limit.
+    (found,) = judged(flight(0.020, 0.021, 0.051, last_going=0.2795), spread).findings
+    assert (found.steps, found.verdict) == ((1, 3), Verdict.NOT_JUDGED)
+
+
+def test_a_pair_at_which_the_clause_may_not_apply_is_not_judged():
+    adjacent = dataclasses.replace(NOSING, statistic="adjacent_difference", minimum=None, maximum=Limit.of("10", "mm"))
+    steps = changed(even(going=0.25), 3, going_m=measured(0.2795, 0.001), nosing_overhang_m=measured(0.05, 0.0))
+    found = judged(inspection_of(steps), adjacent).findings
+    assert {each.steps: each.verdict for each in found if each.verdict is not Verdict.WITHIN} == {
+        (2, 3): Verdict.NOT_JUDGED,
+        (3, 4): Verdict.NOT_JUDGED,
+    }
 
 
 # --- fit for this check --------------------------------------------------------------------------------------------
@@ -475,6 +522,31 @@ def test_every_rule_says_in_the_table_whether_the_scan_is_fit():
     why = lines[lines.index("  whether the scan is fit cannot be said for:") + 1]
     assert why.startswith("    range: U up to ")
     assert why.endswith("registration from step to step is not stated")
+
+
+def test_a_size_between_two_limits_is_held_against_a_tenth_of_the_smaller_unless_there_is_less_room():
+    for low, high, tolerance in (("100", "180", 0.010), ("100", "105", 0.005)):
+        between = rule(minimum=Limit.of(low, "mm"), maximum=Limit.of(high, "mm"))
+        fit = judged(inspection_of(even(u=0.0001, rise=0.102)), between).fits[0]
+        assert fit.tolerance == pytest.approx(tolerance)
+        assert f"this check needs at most {1000.0 * tolerance / 2.0:.2f} mm" in fit.words
+
+
+def test_what_a_fit_says_can_be_written_in_another_unit():
+    fit = judged(inspection_of(even(u=0.0001, rise=0.15)), RISER).fits[0]
+    assert fit.words == "fit: U up to 0.10 mm; this check needs at most 8.50 mm"
+    said = fit.said(lambda size: f"{size / 0.0254:.3f} in")
+    assert said == "fit: U up to 0.004 in; this check needs at most 0.335 in"
+
+
+def test_whether_a_scan_is_fit_heeds_the_u_that_decided():
+    """Downwards the U of the spread of twelve rises is wider than upwards, where it is 8 mm."""
+    steps = changed(even(n=12, u=0.004), 3, rise_m=measured(0.20, 0.004))
+    result = judged(inspection_of(steps, registration_m=0.0001), RANGE)
+    (found,) = result.findings
+    assert found.verdict is Verdict.OUTSIDE
+    assert found.u > 0.009
+    assert result.fits[0].u == found.u
 
 
 def test_a_limit_at_what_is_intended_cannot_be_decided():
@@ -551,7 +623,7 @@ def test_a_tread_wide_enough_is_no_clear_width_and_one_too_narrow_is_outside():
     assert {found.verdict for found in wide.findings} == {Verdict.REPORTED}
     assert wide.findings[0].reason == "the tread's width is inside the limit; the clear width was not seen"
     assert not wide.is_judged
-    assert "1600.00 ± 1.00 mm (tread width)" in check_text(wide)
+    assert "1600.0 ± 1.0 mm (tread width)" in check_text(wide)
     assert wide.fits[0].words.endswith("; the scan shows only a part of what the clause limits")
     for width_m, verdict in ((0.8, Verdict.OUTSIDE), (0.8995, Verdict.OUTSIDE_CLOSE), (0.9005, Verdict.REPORTED)):
         steps = changed(even(), 2, width_m=measured(width_m, 0.001))
@@ -583,7 +655,7 @@ def test_the_same_inspection_gives_the_same_text_and_no_forbidden_word():
     inspection = inspection_of(changed(even(u=0.001), 3, rise_m=measured(0.18, 0.001)))
     texts = [check_text(judged(inspection, RISER, RANGE, ADJACENT, GOING)) for _ in range(2)]
     assert texts[0] == texts[1]
-    assert "riser, step 3: 180.00 ± 1.00 mm, outside by 10.00 mm; 1.1: at most 170 mm" in texts[0]
+    assert "riser, step 3: 180.0 ± 1.0 mm, outside by 10.00 mm; 1.1: at most 170 mm" in texts[0]
     for word in ("complian", "comply", "complies", "legal"):
         assert word not in texts[0].lower()
 
@@ -596,6 +668,47 @@ def test_the_last_sentence_tells_close_from_clear():
     both = changed(close, 3, rise_m=measured(0.18, 0.001))
     expected = f"Outside {listed}; outside, but by less than U, the limits listed in 1.1."
     assert verdict_sentence(judged(inspection_of(both), RISER)) == expected
+
+
+def test_a_limit_that_the_user_has_set_is_not_said_to_be_listed_in_the_code():
+    rules = rule_set(RISER, dataclasses.replace(GOING, clause="2.2"))
+    own = edited(rules, "riser", "maximum", Limit.of("160", "mm"), "agreed")
+    short = even(going=0.24)
+    result = check(inspection_of(short), own)
+    assert verdict_sentence(result) == (
+        "Outside the limits listed in 2.2 (Code, 2024); outside limits set by the user in place of those of 1.1; "
+        "1 limit was changed by the user."
+    )
+    written = check_text(result)
+    assert "1.1: at most 160 mm, set by the user in place of 170 mm" in written
+    assert "at most 160 mm (edited)" in written
+    assert "at least 250 mm (edited)" not in written
+    # What passes by the user's leave does not pass by the code's.
+    wide = edited(rules, "riser", "maximum", Limit.of("200", "mm"), "agreed")
+    sentence = verdict_sentence(check(inspection_of(even(rise=0.18)), wide))
+    assert sentence == "Nothing that was measured is outside a limit of Code, 2024; 1 limit was changed by the user."
+    back = edited(own, "riser", "maximum", Limit.of("170", "mm"), "not agreed after all")
+    assert "changed by the user" not in verdict_sentence(check(inspection_of(even()), back))
+
+
+def test_what_is_asked_for_without_a_number_is_named_with_its_value():
+    """The headline may not pass over an odd riser because the clause says uniform and no more."""
+    osha = find_rule_set("us-osha-1910-25")
+    steps = changed(even(u=0.0002, going=0.27, width=0.9), 4, rise_m=measured(0.18, 0.0002))
+    sentence = verdict_sentence(check(inspection_of(steps), osha))
+    (found,) = check(inspection_of(steps), osha).of_rule("riser-uniformity")
+    said = (
+        f"29 CFR 1910.25(b)(3) gives no number for uniform riser heights between landings: {value_text(found)}, steps "
+    )
+    assert said in sentence
+    assert "15.0 ± " in sentence
+    assert "is for the inspector to judge" in sentence
+    assert "gives no number" not in verdict_sentence(judged(inspection_of(even()), RISER))
+
+
+def test_a_u_that_rounds_to_nothing_is_not_shown_as_nothing():
+    inspection = inspection_of(changed(even(rise=0.15), 3, rise_m=measured(0.18, 0.000004)))
+    assert "180.00 ± 0.01 mm" in check_text(judged(inspection, RISER))
 
 
 def test_a_margin_that_rounds_to_nothing_is_not_shown_as_nothing():

@@ -181,6 +181,17 @@ def test_an_edit_is_recorded_and_leaves_the_original():
     assert again.is_edited
 
 
+def test_what_the_changes_of_a_limit_come_to():
+    first = edited(rule_set(), "riser", "maximum", Limit.of("190", "mm"), "first")
+    second = edited(first, "riser", "maximum", Limit.of("8", "in"), "second")
+    assert second.edit_of("riser", "maximum") == replace(second.edits[1], before=Limit.of("7", "in"))
+    assert second.edit_of("riser", "minimum") is None
+    assert (second.n_changed, second.is_changed("riser")) == (1, True)
+    back = edited(second, "riser", "maximum", Limit.of("7", "in"), "as it was")
+    assert back.is_edited
+    assert (back.n_changed, back.is_changed("riser"), back.edit_of("riser", "maximum")) == (0, False, None)
+
+
 def test_the_same_limit_again_is_no_edit():
     before = rule_set()
     assert edited(before, "riser", "maximum", Limit.of("7", "in"), "as it was") == before

@@ -8,13 +8,18 @@ from stair_inspector.codes import Limit, RuleEdit
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.chosen_rules import (
     ChosenRules,
+    LeftEdits,
     RuleFile,
     chosen_from_dict,
     chosen_to_dict,
+    is_usable,
     known_sets,
     limit_of,
+    n_edits,
     rule_set_of,
     with_edit,
+    with_fitting,
+    with_set,
     without_edits,
 )
 from stair_inspector.files.paths import static_configs
@@ -23,6 +28,7 @@ from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
 IBC = ChosenRules("us-ibc-2021")
 OWN = (static_configs() / "codes" / "us-irc-2024.toml").read_text("utf-8").replace("us-irc-2024", "my-rules", 1)
 MM_180 = Limit.of("180", "mm")
+EDITED = with_edit(IBC, "riser", "maximum", MM_180, "agreed with the client")
 
 
 def test_no_choice_is_no_check():
@@ -65,6 +71,49 @@ def test_a_limit_changed_twice_tells_both_changes_and_comes_back_in_one():
     assert without_edits(twice, "riser") == IBC
 
 
+def test_changed_limits_stay_with_their_set_and_come_back_with_it():
+    other = with_set(EDITED, "us-irc-2024")
+    assert (other.edits, other.left) == ((), (LeftEdits("us-ibc-2021", EDITED.edits),))
+    both = with_edit(other, "riser", "maximum", Limit.of("8", "in"), "another town")
+    assert with_set(both, "us-ibc-2021").edits == EDITED.edits
+    assert with_set(with_set(both, "us-ibc-2021"), "us-irc-2024") == both
+    assert with_set(with_set(both, ""), "us-irc-2024") == both
+    assert with_set(both, "us-irc-2024") == both
+    assert chosen_from_dict(chosen_to_dict(both)) == both
+
+
+def test_a_project_without_left_changes_is_written_as_ever():
+    assert set(chosen_to_dict(EDITED)) == {"set", "overlays", "decision", "edits", "files"}
+
+
+def test_of_left_changes_those_come_back_that_still_fit():
+    own = dataclasses.replace(ChosenRules("my-rules"), files=(RuleFile.of("mine.toml", OWN.encode()),))
+    changed = with_edit(own, "riser", "maximum", Limit.of("8", "in"), "a")
+    changed = with_edit(changed, "riser", "maximum", Limit.of("9", "in"), "b")
+    changed = with_edit(changed, "tread-depth", "minimum", Limit.of("9", "in"), "c")
+    newer = RuleFile.of("mine.toml", OWN.replace('maximum = "7 3/4 in"', 'maximum = "7 in"').encode())
+    left = dataclasses.replace(with_set(changed, ""), files=(newer,))
+    back = with_set(left, "my-rules")
+    assert [edit.reason for edit in back.edits] == ["c"]
+    assert limit_of(rule_set_of(back).rule("riser"), "maximum") == Limit.of("7", "in")
+
+
+def test_changes_of_rules_that_are_gone_do_not_fit():
+    nfpa = dataclasses.replace(EDITED, overlay_ids=("us-nfpa-101-uniformity",))
+    laid = with_edit(
+        nfpa, find_rule_set("us-nfpa-101-uniformity").rules[0].rule_id, "maximum", Limit.of("4", "mm"), "x"
+    )
+    assert with_fitting(dataclasses.replace(laid, overlay_ids=()), laid.edits) == EDITED
+    assert (n_edits(laid), n_edits(with_set(laid, ""))) == (2, 2)
+
+
+def test_whether_a_choice_can_be_used():
+    assert is_usable(EDITED)
+    assert is_usable(ChosenRules())
+    assert not is_usable(ChosenRules("us-ibc-2027"))
+    assert not is_usable(dataclasses.replace(EDITED, set_id="us-irc-2024"))
+
+
 def test_an_own_file_is_a_set_like_any_other_and_travels_whole():
     own = RuleFile.of("C:\\rules\\mine.toml", OWN.encode())
     chosen = ChosenRules("my-rules", files=(own,))
@@ -101,9 +150,27 @@ def test_an_own_files_hash_is_that_of_its_bytes(tmp_path, mark):
         ),
         (
             lambda: with_edit(IBC, "riser", "maximum", Limit.of("3", "in"), "x"),
-            "rule riser: minimum 4 in (101.6 mm) is above maximum 3 in (76.2 mm); exchange them",
+            "edit a limit: a maximum of 3 in (76.2 mm) is below the minimum of riser, 4 in (101.6 mm); give another",
         ),
         (lambda: with_edit(IBC, "riser", "maximum", Limit.of("3", "deg"), "x"), "rule riser: maximum: 3° is no limit "),
+        (
+            lambda: with_edit(IBC, "riser", "minimum", Limit.of("8", "in"), "x"),
+            "edit a limit: a minimum of 8 in (203.2 mm) is above the maximum of riser, 7 in (177.8 mm); give another",
+        ),
+        (
+            lambda: with_edit(IBC, "tread-depth", "minimum", None, "x"),
+            "edit a limit: tread-depth would be left without any; give a minimum, or give the maximum first",
+        ),
+        (
+            lambda: with_edit(IBC, "riser", "maximum", Limit.of("7", "count"), "x"),
+            "rule riser: maximum: 7 has no unit; ",
+        ),
+        (
+            lambda: ChosenRules("us-ibc-2021", left=(LeftEdits("us-ibc-2021", EDITED.edits),)),
+            "rules: left: the changes of us-ibc-2021 are none, too many, or there already; remove them",
+        ),
+        (lambda: ChosenRules(left=(LeftEdits("us-ibc-2021", ()),)), "rules: left: the changes of us-ibc-2021 are none"),
+        (lambda: ChosenRules(left=(LeftEdits("../x", EDITED.edits),)), "rules: left: set '../x': give up to 80 small"),
         (lambda: with_edit(IBC, "rise", "maximum", MM_180, "x"), "rule set us-ibc-2021: has no rule 'rise'"),
         (lambda: without_edits(IBC), "take back: nothing to revert"),
         (lambda: without_edits(IBC, "riser"), "take back: no limit of this rule was changed"),

@@ -238,7 +238,7 @@ def test_saving_that_fails_leaves_the_old_project(tmp_path, monkeypatch):
         ({"rules__set": 7}, "rules: set 7: give up to 80 small letters"),
         ({"rules__set": "../x"}, "rules: set '../x': give up to 80 small letters"),
         ({"rules__overlays": "us-nfpa-101-uniformity"}, "rules: overlays: got 'us-nfpa-101-uniformity'; give a list"),
-        ({"rules__overlays": ["a"] * 21}, "rules: 21 overlay_ids; keep at most 20"),
+        ({"rules__overlays": ["a"] * 21}, "rules: 21 overlays; keep at most 20"),
         ({"rules__overlays": [[]]}, "rules: overlay []: give up to 80 small letters"),
         ({"rules__decision": "strict"}, "rules: decision: got 'strict'; give one of guarded, simple"),
         ({"rules__edits": [{}] * 501}, "rules: 501 edits; keep at most 500"),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.codes.judge import check
-from stair_inspector.codes.rules import Limit, Rule, RuleSet
+from stair_inspector.codes.rules import Limit, Rule, RuleSet, edited
 from stair_inspector.model import Measured
 from stair_inspector.report import svg
 from stair_inspector.report.charts import ROWS_PER_PICTURE, STEPS_PER_ROW, nosing_charts, step_charts
@@ -171,6 +171,39 @@ def test_the_line_of_the_nosings_has_a_point_for_each(count):
 def test_without_a_staircase_there_is_no_chart():
     bare = dataclasses.replace(staircase(), steps=(), flights=())
     assert step_charts(bare, "rise") == step_charts(bare, "going") == nosing_charts(bare) == ()
+
+
+@pytest.mark.parametrize("maximum", ["170", "171", "172", "173", "175", "178"])
+def test_no_line_runs_through_the_words_of_a_bar(maximum):
+    """Bars that end just below a limit are the usual case, and the mean lies among them."""
+    limit = edited(rules(), "r", "maximum", Limit.of(maximum, "mm"), "as a test has it")
+    inspection = staircase((14,))
+    picture = read(step_charts(inspection, "rise", check(inspection, limit))[0])
+    groups = [group for group in picture.iter(f"{SVG}g") if group.get("data-step")]
+    inside = {id(line) for group in groups for line in group.iter(f"{SVG}line")}
+    lines = [
+        float(line.get("y1"))
+        for line in picture.iter(f"{SVG}line")
+        if line.get("stroke-dasharray") and id(line) not in inside
+    ]
+    assert len(lines) == 2, "a limit and the mean; the other limit is far away"
+    words = [next(node for node in group.iter(f"{SVG}text") if "." in node.text) for group in groups]
+    assert len(words) == 14
+    for word in words:
+        base, size = float(word.get("y")), float(word.get("font-size"))
+        top = base - 0.72 * size
+        assert all(not top - 0.3 < line < base + 0.5 for line in lines)
+        assert base < top_of(next(group for group in groups if word in list(group.iter())))
+
+
+def test_a_limit_that_the_user_has_set_is_told_in_the_key():
+    inspection = staircase((14,))
+    own = edited(rules(), "r", "maximum", Limit.of("180", "mm"), "as a test has it")
+    words = words_in(read(step_charts(inspection, "rise", check(inspection, own))[0]))
+    assert "maximum 180 mm (set by the user; the code: 7 in (177.8 mm)): 1.1, riser" in words
+    assert "Limits: Test, 2026, but for those set by the user." in words
+    untouched = words_in(read(step_charts(inspection, "rise", check(inspection, rules()))[0]))
+    assert not any("the user" in word for word in untouched)
 
 
 def test_words_of_a_rule_file_are_words():

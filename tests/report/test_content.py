@@ -6,12 +6,15 @@ import re
 import pytest
 
 from stair_inspector.codes import Limit, check, edited, overlaid
+from stair_inspector.codes.rules import Condition
+from stair_inspector.codes.text import check_text
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
 from stair_inspector.model import Note
 from stair_inspector.params import Params, UncertaintyParams
 from stair_inspector.pipeline import inspect
-from stair_inspector.report.document import Facts, Figure, KeyFigures, Signatures, Table
+from stair_inspector.report.document import Facts, Figure, KeyFigures, Paragraph, Signatures, Status, Table
 from stair_inspector.report.fields import Checklist, Photo, ReportBasis, ReportFields
+from stair_inspector.report.note_words import note_words
 from stair_inspector.report.wording import (
     limitation_sentences,
     outside_sentences,
@@ -19,8 +22,19 @@ from stair_inspector.report.wording import (
     uncertainty_sentences,
     verdict_of,
 )
+from tests.codes import test_rules as made_up
 from tests.codes.flights import changed, even, flight_of, inspection_of, measured
-from tests.report.samples import BASIS, HOSTILE, MADE_AT, checked, document, html_page, plain_document, scanned
+from tests.report.samples import (
+    BASIS,
+    HOSTILE,
+    MADE_AT,
+    checked,
+    document,
+    html_page,
+    plain_document,
+    scanned,
+    workbook,
+)
 
 BANNED = re.compile(
     r"compliant|complies|compliance|\blegal(ly)?\b|violat|\bpass(es|ed)?\b|\bfail(s|ed|ure)?\b", re.IGNORECASE
@@ -29,6 +43,11 @@ BANNED = re.compile(
 
 def text_of(made):
     return html_page(made).text
+
+
+def front_text(made):
+    """The words of the first page."""
+    return " ".join(block.text for block in made.front if isinstance(block, Paragraph))
 
 
 def table_of(made, key):
@@ -337,7 +356,8 @@ def test_one_reason_for_all_rules_is_told_once():
     assert table.empty.endswith("could be judged: the paper's method measures nothing from nosing to nosing.")
     keys = {each.key for each in made.tables()}
     assert not {"by_step", "fits"} & keys
-    assert text_of(made).count("measures nothing from nosing to nosing") == 1
+    assert text_of(made).count("could be judged: the paper's method measures nothing from nosing to nosing") == 1
+    assert "method survey" not in text_of(made)
 
 
 def test_what_was_not_measured_is_no_limitation():
@@ -423,6 +443,127 @@ def test_a_report_without_rules_says_that_none_were_applied():
     assert "no rule set was applied" in text_of(made)
     assert not any(section.title == "Check against the rule set" for section in made.sections)
     assert not any(isinstance(block, KeyFigures) and block.status for block in made.blocks())
+
+
+def test_what_a_clause_asks_for_without_a_number_keeps_the_result_from_being_good():
+    """A riser 15 mm too high is inside every limit of a code that says uniform and gives no number."""
+    found = checked("defective_step", "us-osha-1910-25")
+    assert verdict_of(found) == Status(
+        "measured values within limits; uniformity is for the inspector to judge", "close"
+    )
+    words = front_text(plain_document(scanned()[1], found))
+    assert (
+        "1910.25(b)(3) gives no number for uniform riser heights between landings: 15.1 ± 0.4 mm, steps 4 and 5"
+        in words
+    )
+
+
+def test_values_nearer_to_a_limit_than_u_keep_the_result_from_being_good():
+    close = inspection_of(even(6, width=1.3, rise=measured(0.1776, 0.0005)))
+    found = check(close, find_rule_set("us-ibc-2021"))
+    assert verdict_of(found) == Status("measured values within limits; 6 nearer to a limit than U", "close")
+    assert "6 values are within, but nearer to a limit than U" in front_text(plain_document(close, found))
+
+
+def test_values_outside_what_is_advised_keep_the_result_from_being_good():
+    advice = made_up.rule("advice", maximum=Limit.of("150", "mm"), minimum=None, severity="advisory")
+    limit = made_up.rule("limit", maximum=Limit.of("200", "mm"), minimum=None)
+    found = check(inspection_of(even(6)), made_up.rule_set(limit, advice))
+    assert verdict_of(found) == Status("measured values within limits; values outside what is advised", "close")
+    # Advice alone is no limit that something could be within.
+    alone = check(inspection_of(even(6)), made_up.rule_set(advice))
+    assert verdict_of(alone) == Status("nothing could be judged; values outside what is advised", "plain")
+
+
+def test_nothing_is_good_where_nothing_was_judged():
+    nowhere = made_up.rule("nosing", quantity="nosing_overhang", only_where=Condition("going", Limit.of("250", "mm")))
+    found = check(inspection_of(even(6)), made_up.rule_set(nowhere))
+    assert not any(finding.is_open for finding in found.findings)
+    assert verdict_of(found) == Status("nothing could be judged", "plain")
+
+
+def with_a_changed_riser(written, unit):
+    rules = edited(find_rule_set("us-ibc-2024"), "riser", "maximum", Limit.of(written, unit), "city amendment")
+    return check(scanned()[1], rules)
+
+
+def test_a_limit_that_the_user_has_set_is_never_said_to_be_the_codes():
+    """Wherever the limit stands, it is marked: 180 mm is in no edition of the code."""
+    found = with_a_changed_riser("180", "mm")
+    made = plain_document(scanned()[1], found)
+    sentence = outside_sentences(found)[0]
+    assert "outside the limit 180 mm set by the user in place of 7 in (177.8 mm), 1011.5.2" in sentence
+    assert "listed" not in sentence
+    assert verdict_of(found) == Status("values outside limits; 1 limit changed by the user", "bad")
+    changed_limit = "riser height, maximum 180 mm in place of 7 in (177.8 mm) (1011.5.2)"
+    assert changed_limit in front_text(made)
+    row = next(row for row in table_of(made, "rules").rows if row[1] == "riser height")
+    assert row[2] == "4 in (101.6 mm) to 180 mm (edited)"
+    assert "180 mm (edited)" in table_of(made, "by_step").columns[1].unit
+    assert table_of(made, "findings").rows[0][-1] == "maximum 180 mm, set by the user"
+    assert facts_of(made)["Reference code"].endswith("; 1 limit changed by the user")
+    book = workbook(made)
+    cells = [str(cell.value) for sheet in book for row in sheet.iter_rows() for cell in row if cell.value is not None]
+    for told in (text_of(made), *cells, check_text(found)):
+        for place in re.finditer("180 mm", told):
+            about = told[max(0, place.start() - 60) : place.end() + 45]
+            assert (
+                re.search(r"edited|set by the user|the user's|in place of|city amendment|became", about)
+                or about == "180 mm"
+            )
+
+
+def test_a_limit_changed_until_all_is_within_is_told_on_the_first_page():
+    rules = edited(find_rule_set("us-ibc-2021"), "riser", "maximum", Limit.of("9", "in"), "as the owner wishes")
+    steps = inspection_of(even(6, rise=0.2, width=1.3))
+    found = check(steps, rules)
+    assert verdict_of(found) == Status("measured values within limits; 1 limit changed by the user", "close")
+    made = plain_document(steps, found)
+    assert "riser height, maximum 9 in (228.6 mm) in place of 7 in (177.8 mm) (1011.5.2)" in front_text(made)
+    assert "but for 1 that the user has changed" in text_of(made)
+    back = edited(rules, "riser", "maximum", Limit.of("7", "in"), "after all")
+    assert "changed" not in verdict_of(check(steps, back)).words
+
+
+def test_notes_of_the_check_are_without_the_words_of_the_command_line():
+    inspection = inspection_of(
+        even(4),
+        notes=[
+            ("uncertainty_unstated", "u holds less: choose the scanner's preset, or set uncertainty.*", None),
+            ("up_disagree", "floor and treads disagree by 2°; give --up if you know it", None),
+            ("chain_ambiguous", "patch 4 would also have been possible: overrule it if that is the step", None),
+        ],
+    )
+    text = text_of(plain_document(inspection, check(inspection, find_rule_set("us-ibc-2021"))))
+    assert "floor and treads disagree by 2°" in text
+    for words in ("uncertainty.*", "--up", "preset", "overrule it"):
+        assert words not in text
+
+
+@pytest.mark.parametrize(
+    ("message", "words"),
+    [
+        (
+            "2 surfaces, but overrules.climb (x) leaves out 3 risers; correct overrules.climb, or set it to auto",
+            "2 surfaces, but the direction of climb that was set (x) leaves out 3 risers",
+        ),
+        (
+            "only 0.011 m² large, less than any tread (patches.min_area_m2 is 0.05)",
+            "only 0.011 m² large, less than any tread (the least area that was set, m²: 0.05)",
+        ),
+    ],
+)
+def test_a_setting_is_named_in_words(message, words):
+    assert note_words(message) == words
+
+
+def test_the_summary_without_a_staircase_does_not_list_every_rule():
+    empty = inspection_of([], [], notes=[("no_staircase", "no staircase found: one level", None)])
+    made = plain_document(empty, check(empty, find_rule_set("us-ibc-2024")))
+    assert not any(table.key == "rules" for table in made.tables())
+    text = text_of(made)
+    assert "None of the 11 rules and flights could be judged" not in text
+    assert "us-ibc-2024 " not in front_text(made)
 
 
 def test_no_staircase_is_an_answer_of_the_report():

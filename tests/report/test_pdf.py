@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from stair_inspector.errors import MissingLibrary, WriteError
-from stair_inspector.report import fonts
+from stair_inspector.report import fonts, pdf
 from stair_inspector.report.document import Bullets, Document, Facts, Figure, Paragraph, Section, Signatures, Table
 from stair_inspector.report.fields import ReportBasis, ReportFields
 from stair_inspector.report.pdf import page_pngs, pdf_bytes
@@ -165,6 +165,23 @@ def test_a_letter_in_a_drawing_that_no_font_has_is_spelt_out(letter):
     drawn = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 20">{words}</svg>'
     shown = pdf_text(made_of(Figure("f", "caption", "words", "svg", drawn.encode())))
     assert f"a⟨U+{ord(letter):04X}⟩b" in shown
+
+
+def test_any_number_of_new_letters_is_tried_at_once(monkeypatch):
+    """A field may hold thousands of letters; to typeset a page for each of them takes minutes."""
+    import typst
+
+    compiled = []
+    monkeypatch.setattr(pdf, "_IS_DRAWN", {})
+    whole = typst.compile
+    monkeypatch.setattr(typst, "compile", lambda *args, **wanted: compiled.append(1) or whole(*args, **wanted))
+    korean, unknown = map(chr, range(0xAC00, 0xAC00 + 2000)), map(chr, range(0x1780, 0x1790))
+    words = "".join(korean) + "o\u0301\u200d\u2029" + "".join(unknown)
+    spelt = pdf._spelt({"words": [words, 3, None], "more": words})
+    expected = words[:2004] + "".join(f"⟨U+{ord(letter):04X}⟩" for letter in words[2004:])
+    assert spelt == {"words": [expected, 3, None], "more": expected}
+    assert pdf._spelt(words) == expected
+    assert len(compiled) == 1
 
 
 def test_a_picture_that_is_none_is_told_in_one_sentence():

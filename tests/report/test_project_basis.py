@@ -23,7 +23,10 @@ def logo():
 BASIS = ReportBasis(
     fields=ReportFields(client="Halle ß", purpose="two\nlines"),
     checklist=Checklist(lighting="two lamps are out"),
-    readings=(TapeReading("rise", 0.171, step=2, u=0.0005), TapeReading("flight_run", 2.5, flight=1, note="tape 7")),
+    readings=(
+        TapeReading("rise", 0.171, step=2, u=0.0005, at=(1.0, -2.5, 0.34)),
+        TapeReading("flight_run", 2.5, flight=1, note="tape 7"),
+    ),
     logo=logo(),
     paper="us-letter",
 )

@@ -74,6 +74,29 @@ def test_planes_that_say_otherwise_than_the_rises_are_seen():
     assert row["Result"].tone == "close"
 
 
+@pytest.mark.parametrize(
+    ("height_mm", "difference", "u", "words"),
+    [
+        (0.1315, "0.132", "0.129", "differs by more than U"),
+        (0.1285, "0.13", "0.13", "closes within U"),
+        (0.4, "0.40", "0.13", "differs by more than U"),
+        (-0.12915, "−0.12915", "0.12910", "differs by more than U"),
+        (-0.12, "−0.12", "0.13", "closes within U"),
+    ],
+)
+def test_a_closure_shows_the_digits_on_which_its_result_hangs(height_mm, difference, u, words):
+    steps = standing(even(6))
+    rise = Measured(0.165, 0.0001291, (("noise", 0.0001291 / math.sqrt(2.0)),))
+    steps = [dataclasses.replace(each, rise_m=rise) for each in steps]
+    u_m = cross_checks.closure_table(closed(steps, floor())).rows[0][5] / 1000.0
+    rise = Measured(0.165, rise.u * 0.0001291 / u_m, (("noise", rise.parts[0][1] * 0.0001291 / u_m),))
+    steps = [dataclasses.replace(each, rise_m=rise) for each in steps]
+    table = cross_checks.closure_table(closed(steps, floor(height_mm / 1000.0)))
+    shown = [column.text(cell) for column, cell in zip(table.columns, table.rows[0], strict=True)]
+    assert shown[4:6] == [difference, u]
+    assert shown[6].endswith(words)
+
+
 def test_a_floor_that_slopes_is_taken_at_the_foot():
     slope = 0.02
     normal = np.array([-slope, 0.0, 1.0]) / math.hypot(1.0, slope)
@@ -177,6 +200,14 @@ def test_readings_by_hand_stand_beside_the_scan_with_their_difference(reading, s
     assert row["Result"].tone == tone
 
 
+def test_a_reading_agrees_within_the_root_of_the_squares_of_both_u():
+    inspection = inspection_of(even(5, u=0.0004))
+    for off_m, tone in ((0.00049, "good"), (0.00051, "bad")):
+        basis = ReportBasis(readings=(TapeReading("rise", 0.165 + off_m, step=2, u=0.0003),))
+        (row,) = rows_of(cross_checks.readings_table(inspection, basis))
+        assert row["Result"].tone == tone
+
+
 def test_a_reading_on_the_left_line_is_compared_there():
     steps = changed(even(3, u=0.0004), 2, rise_lcr_m=(0.163, 0.165, 0.167))
     reading = TapeReading("rise", 0.1632, step=2, line="left", u=0.0001)
@@ -189,6 +220,67 @@ def test_a_reading_on_the_left_line_is_compared_there():
     assert "that of the centre line stands there" in table.note
     centre = TapeReading("rise", 0.165, step=2)
     assert "centre line" not in cross_checks.readings_table(inspection_of(steps), ReportBasis(readings=(centre,))).note
+
+
+def placed(steps):
+    """The steps one behind the other, each 0.28 m further and 0.17 m higher, in a scan whose origin is elsewhere."""
+    made = []
+    for n, each in enumerate(steps, 1):
+        centroid = np.array([0.28 * n, 0.0, 0.17 * n])
+        corners = centroid + np.array([[-0.14, 0.5, 0.0], [-0.14, -0.5, 0.0], [0.14, -0.5, 0.0], [0.14, 0.5, 0.0]])
+        made.append(
+            dataclasses.replace(each, plane=dataclasses.replace(each.plane, centroid=centroid), corners=corners)
+        )
+    inspection = inspection_of(made)
+    return dataclasses.replace(inspection, scan=dataclasses.replace(inspection.scan, origin_m=(1000.0, 0.0, 50.0)))
+
+
+def reading_at(step_id, of_height=0.0, aside=0.0):
+    place = (1000.0 + 0.28 * step_id, aside, 50.0 + 0.17 * step_id + of_height)
+    return ReportBasis(readings=(TapeReading("rise", 0.165, step=step_id, u=0.001, at=place),))
+
+
+def test_a_reading_stays_with_its_tread_when_the_steps_are_numbered_anew():
+    inspection = placed(changed(even(5, u=0.0004), 4, rise_m=measured(0.18, 0.0004)))
+    (row,) = rows_of(cross_checks.readings_table(inspection, reading_at(3)))
+    assert (row["Place"], row["Result"].tone) == ("step 3", "good")
+    # The first step is gone: what was the third is now the second, and the third is another tread.
+    steps = [dataclasses.replace(each, step_id=each.step_id - 1) for each in inspection.steps[1:]]
+    table = cross_checks.readings_table(dataclasses.replace(inspection, steps=tuple(steps)), reading_at(3))
+    (row,) = rows_of(table)
+    assert (row["Place"], row["Scan"].value) == ("step 2 (was 3)", pytest.approx(165.0))
+    assert row["Result"] == Status("agrees", "good")
+
+
+@pytest.mark.parametrize("moved", [{"of_height": 0.08}, {"aside": 0.45}, {"of_height": -0.08, "aside": -0.3}])
+def test_a_tread_that_is_seen_a_little_elsewhere_is_the_same(moved):
+    (row,) = rows_of(cross_checks.readings_table(placed(even(5, u=0.0004)), reading_at(3, **moved)))
+    assert row["Place"] == "step 3"
+
+
+@pytest.mark.parametrize("moved", [{"of_height": 5.0}, {"aside": 0.8}, {"of_height": 1.0}])
+def test_a_reading_of_a_tread_that_is_gone_is_compared_with_none(moved):
+    table = cross_checks.readings_table(placed(even(5, u=0.0004)), reading_at(3, **moved))
+    (row,) = rows_of(table)
+    assert (row["Place"], row["Scan"], row["Difference"]) == ("former step 3", None, None)
+    assert row["Result"] == Status("its step is no longer in the result", "close")
+    assert table.tones == ((0, "close"),)
+
+
+@pytest.mark.parametrize(
+    ("reading", "is_far"),
+    [
+        (TapeReading("rise", 0.184, step=2), True),
+        (TapeReading("rise", 0.0072, step=2), True),
+        (TapeReading("rise", 0.18, step=2), False),
+        (TapeReading("nosing_overhang", 0.05, step=2), False),
+    ],
+)
+def test_a_reading_without_u_that_is_far_from_the_scan_says_what_to_check(reading, is_far):
+    table = cross_checks.readings_table(inspection_of(even(3, u=0.0001)), ReportBasis(readings=(reading,)))
+    (row,) = rows_of(table)
+    far = Status("far from the scan: check place and unit; U of the reading not stated", "close")
+    assert row["Result"] == (far if is_far else Status("U of the reading not stated", "plain"))
 
 
 def test_a_reading_without_an_uncertainty_is_not_taken_as_exact():

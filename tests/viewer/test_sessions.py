@@ -1,16 +1,22 @@
 """What an inspector does is kept, belongs to its scan, and never overwrites another's work: without a browser."""
 
+import dataclasses
+import io
 import shutil
 import threading
 from types import SimpleNamespace
 
 import pytest
+from PIL import Image
 
+from stair_inspector.codes import Limit, RuleEdit
 from stair_inspector.errors import ConfigError
+from stair_inspector.files.chosen_rules import ChosenRules
 from stair_inspector.files.projects import Measurement, read_project
 from stair_inspector.files.settings import preset_bytes
 from stair_inspector.files.simulations import simulate_to_file
 from stair_inspector.params import Params
+from stair_inspector.report.fields import ReportBasis, ReportFields, TapeReading, read_logo
 from stair_inspector.simulate.specs import Scanner, Stair
 from stair_inspector.viewer import opening
 from stair_inspector.viewer.app import App
@@ -20,6 +26,9 @@ from stair_inspector.viewer.tuning import STARTED_WITH
 from tests.viewer.wire_page import WirePage, await_that
 
 SCANNER = Scanner(max_points=6_000, azimuth_step_deg=0.3, elevation_step_deg=0.3, spacing_m=0.01, noise_m=0.002)
+_STREAM = io.BytesIO()
+Image.new("RGB", (60, 20), (10, 90, 160)).save(_STREAM, "PNG")
+LOGO = read_logo(_STREAM.getvalue())
 POINT = Measurement("Point 1", ((0.0, 0.0, 1.0),))
 
 
@@ -99,6 +108,10 @@ def test_the_desk_is_never_waited_for_while_the_work_is_held(serve):
     session.pick("reach 25:1")
     session.exporting.set_title("Hall")
     session.reporting.set_paper("US Letter")
+    session.reporting.set_text("fields", "firm", "Alder")
+    session.panel.export.report.value.value = "170"
+    session.reporting.add_reading()
+    session.set_unit("in")
     session.tuning.take_preset(next(iter(session.tuning._presets)))
     session.comparing.keep("A")
     session.toolbar.views.keep()
@@ -151,6 +164,29 @@ def test_another_scan_begins_with_its_own_unit_and_up(serve):
     session.choose_scan("other.ply")
     params = session.work.params
     assert (params.up, params.unit, params.levels.eps_m) == ("z", Params().unit, 0.03)
+
+
+def test_a_report_begins_with_what_the_server_was_given_and_goes_on_with_the_surveyor_but_not_with_the_stair(serve):
+    basis = ReportBasis(fields=ReportFields(firm="Alder & Finch", client="Northgate"), paper="us-letter")
+    session = WirePage(serve(basis=basis)).session
+    assert session.work.basis == basis
+    fields = dataclasses.replace(basis.fields, inspector="J. Alder", instrument_model="X 7", stair="C-2", client="Else")
+    reading = TapeReading("rise", 0.17, step=1)
+    session.change("changed", basis=ReportBasis(fields=fields, readings=(reading,), logo=LOGO))
+    riser = Limit.of("7 3/4", "in")
+    session.change(
+        "changed",
+        rules=ChosenRules(
+            "us-irc-2024", decision="simple", edits=(RuleEdit("riser", "maximum", riser, Limit.of("6", "in"), "why"),)
+        ),
+    )
+    session.choose_scan("other.ply")
+    other = session.work
+    wanted = dataclasses.replace(basis.fields, inspector="J. Alder", instrument_model="X 7")
+    assert other.basis == ReportBasis(fields=wanted, logo=LOGO)
+    assert other.rules == ChosenRules("us-irc-2024", decision="simple")
+    session.choose_scan("stair.ply")
+    assert (session.work.basis.fields, len(session.work.rules.edits)) == (fields, 1)
 
 
 def test_a_reload_brings_the_work_on_every_scan_back_with_its_undo(serve):

@@ -81,7 +81,8 @@ def test_the_camera_stands_where_the_picture_is_taken_and_goes_back(stage):
     with studio(page, stage, WIDTH, HEIGHT) as render:
         assert render(POSE, FOV_RAD).shape == (HEIGHT, WIDTH, 4)
         # The window is half as tall: in the picture points need twice the pixels.
-        assert stage.point_size_m == pytest.approx(0.02)
+        assert stage._nodes["/stair/raw"].point_size == pytest.approx(0.02)
+        assert stage.point_size_m == pytest.approx(0.01)
     state, fences, how = page.asked[0]
     assert state == pytest.approx([*POSE.position, *POSE.look_at, *POSE.up, FOV_RAD])
     assert fences >= 2
@@ -89,7 +90,14 @@ def test_the_camera_stands_where_the_picture_is_taken_and_goes_back(stage):
     assert (how["fov"], how["transport_format"]) == (FOV_RAD, "png")
     assert math.isfinite(how["timeout"])
     assert page.camera.state() == pytest.approx(before)
-    assert stage.point_size_m == pytest.approx(0.01)
+    assert stage._nodes["/stair/raw"].point_size == pytest.approx(0.01)
+
+
+def test_a_size_that_is_chosen_while_the_camera_is_lent_stays_chosen(stage):
+    with studio(Page(stage.client.scene), stage, WIDTH, HEIGHT):
+        stage.set_point_size(0.03)
+        assert stage._nodes["/stair/raw"].point_size == pytest.approx(0.06)
+    assert stage._nodes["/stair/raw"].point_size == pytest.approx(0.03)
 
 
 @pytest.mark.parametrize("failure", [TimeoutError("late"), RuntimeError("gone")])
@@ -99,7 +107,7 @@ def test_a_page_that_does_not_deliver_is_a_sentence_and_gets_its_camera_back(sta
     with pytest.raises(ConfigError, match="bring it to the front"), studio(page, stage, WIDTH, HEIGHT) as render:
         render(POSE, FOV_RAD)
     assert page.camera.state() == pytest.approx(before)
-    assert stage.point_size_m == pytest.approx(0.01)
+    assert stage._nodes["/stair/raw"].point_size == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ NO_OVERLAY = "none"
 DECISION_OPTIONS = {"guarded: U counts": "guarded", "simple: the value alone": "simple"}
 """The decision rules by what the menu says; in full they stand with the result."""
 SIDES = ("minimum", "maximum")
+CHANGE = "Change the limit"
 _NO_RULE = "no rule set chosen"
 
 
@@ -88,18 +89,23 @@ class ChecksTab:
             self.side: Any = gui.add_dropdown("Side", SIDES, initial_value=SIDES[1])
             self.side.on_update(from_page(lambda: actions.on_rule(self.rule.value)))
             self.limit: Any = gui.add_text(
-                "New limit", "", hint="With its unit: 7 3/4 in, 180 mm, 42°, 2 % or 1:48. Empty takes the limit away."
+                "New limit", "", hint="With its unit: 7 3/4 in, 180 mm, 42°, 2 % or 1:48. Empty takes it away."
             )
             self.reason: Any = gui.add_text(
                 "Why", "", hint="In one line; it is kept with the change and stands in the report."
             )
-            change = gui.add_button("Change the limit", icon=viser.Icon.PENCIL)
-            change.on_click(lambda _: actions.on_edit())
-            self.edits = gui.add_html(edits_html(None))
+            self._change: Any = gui.add_button(CHANGE, icon=viser.Icon.PENCIL)
+            self._change.on_click(lambda _: actions.on_edit())
+            self.edits = gui.add_html(edits_html(()))
             self._revert: Any = gui.add_button("As in the file: this rule", icon=viser.Icon.RESTORE, color="gray")
             self._revert.on_click(lambda _: actions.on_revert())
             self._revert_all: Any = gui.add_button("As in the file: all rules", icon=viser.Icon.RESTORE, color="gray")
             self._revert_all.on_click(lambda _: actions.on_revert_all())
+
+    def show_limit(self, written: str, *, is_there: bool = True) -> None:
+        """Show the present limit of the chosen rule and side, and whether the button changes it or adds one."""
+        self.limit.value = written
+        self._change.label = CHANGE if is_there else f"Add a {self.side.value}: there is none"
 
     def show_reverts(self, *, has_edits: bool) -> None:
         """Offer to take changes back where there are some."""

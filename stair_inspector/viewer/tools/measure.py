@@ -23,7 +23,7 @@ from stair_inspector.viewer.measuring import (
     renamed,
     without,
 )
-from stair_inspector.viewer.notices import from_page
+from stair_inspector.viewer.notices import from_page, orders_from_page
 from stair_inspector.viewer.picking import Pick, cone_of, find_nearest, owner_text, pick_of, ray_of
 
 _NOBODY = "none"
@@ -66,7 +66,7 @@ class MeasureTool:
         self._list = gui.add_html("")
         # Buttons of the list write here; see markup.pick_script.
         self._order: Any = gui.add_text("Measurement order", "", visible=False)
-        self._order.on_update(from_page(guard(self.obey), lambda: self._order.value))
+        self._order.on_update(orders_from_page(guard(self.obey), lambda: self._order.value))
         with gui.add_folder("Rename", expand_by_default=False):
             self._which: Any = gui.add_dropdown("Which one", (_NOBODY,), initial_value=_NOBODY)
             self._name: Any = gui.add_text("New name", "")

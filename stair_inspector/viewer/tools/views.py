@@ -12,7 +12,7 @@ from stair_inspector.viewer.desk import Desk, Editor
 from stair_inspector.viewer.looking import Looking
 from stair_inspector.viewer.markup import DIM, LINE, text
 from stair_inspector.viewer.measuring import free_name, order_buttons, read_order
-from stair_inspector.viewer.notices import from_page
+from stair_inspector.viewer.notices import from_page, orders_from_page
 from stair_inspector.viewer.scene import MODES
 
 TARGETS = ("Chosen step", "Whole stair", "Whole scan")
@@ -47,7 +47,7 @@ class ViewTool:
             self._list = gui.add_html("")
             # Buttons of the list write here; see markup.pick_script.
             self._order: Any = gui.add_text("View order", "", visible=False)
-            self._order.on_update(from_page(guard(self.obey), lambda: self._order.value))
+            self._order.on_update(orders_from_page(guard(self.obey), lambda: self._order.value))
 
     def set_mode(self, option: str) -> None:
         """Show the raw cloud, the steps, or both."""
