@@ -17,6 +17,7 @@ from stair_inspector import cli
 from stair_inspector.errors import ConfigError
 from stair_inspector.params import Params
 from stair_inspector.viewer import app as app_module
+from stair_inspector.report.fields import ReportBasis, ReportFields
 from stair_inspector.viewer.app import App, is_loopback
 from stair_inspector.viewer.library import DEFAULT_UPLOAD_LIMIT_MB, label_scans
 
@@ -218,10 +219,19 @@ def test_view_hands_over_settings_and_scans(view):
 
 def test_view_saves_projects_beside_the_scans_unless_told_otherwise(view, tmp_path):
     app, _, _ = view()
-    assert app.options == {"project_dir": None, "saves_projects": True, "upload_limit_mb": DEFAULT_UPLOAD_LIMIT_MB}
+    wanted = {"project_dir": None, "saves_projects": True, "upload_limit_mb": DEFAULT_UPLOAD_LIMIT_MB, "basis": None}
+    assert app.options == wanted
     FakeApp.made = ()
     app, _, _ = view("--project-dir", str(tmp_path / "projects"), "--no-autosave", "--upload-limit-mb", "20")
-    assert app.options == {"project_dir": tmp_path / "projects", "saves_projects": False, "upload_limit_mb": 20.0}
+    wanted |= {"project_dir": tmp_path / "projects", "saves_projects": False, "upload_limit_mb": 20.0}
+    assert app.options == wanted
+
+
+def test_view_begins_reports_with_what_a_file_says(view, tmp_path):
+    path = tmp_path / "firm.toml"
+    path.write_text("paper = 'us-letter'\n[fields]\nfirm = 'Alder & Finch'", encoding="utf-8")
+    app, _, _ = view("--fields", str(path))
+    assert app.options["basis"] == ReportBasis(fields=ReportFields(firm="Alder & Finch"), paper="us-letter")
 
 
 def test_view_hands_over_folders_so_that_they_can_be_looked_into_again(view, tmp_path):

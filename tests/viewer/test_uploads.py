@@ -67,7 +67,8 @@ def test_a_refused_upload_frees_its_button_and_takes_the_word_of_success_back(pa
 def test_a_button_for_small_files_says_what_it_takes(page, name, size, words):
     export = page.session.panel.export
     for button, suffix in (
-        (export.report.upload, "png"),
+        (export.report.load_logo, "png"),
+        (export.report.add_photo, "jpg"),
         (export.open, "json"),
         (page.session.panel.tune.load_preset, "toml"),
     ):

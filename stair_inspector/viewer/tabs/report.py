@@ -91,10 +91,10 @@ class ReportFolder:
                 self.photos = gui.add_html("")
                 self.caption: Any = gui.add_text("Caption", "", hint="Of the photograph that is added next.")
                 hint = "PNG or JPEG. The place and time that cameras hide in it are left out."
-                _add_picture_upload(gui, "Add a photograph", hint, actions.on_photo)
+                self.add_photo = _add_picture_upload(gui, "Add a photograph", hint, actions.on_photo)
             with gui.add_folder("Logo", expand_by_default=False):
                 self.logo = gui.add_html("")
-                _add_picture_upload(gui, "Load a logo", "PNG or JPEG.", actions.on_logo)
+                self.load_logo = _add_picture_upload(gui, "Load a logo", "PNG or JPEG.", actions.on_logo)
                 remove = gui.add_button("Remove the logo", icon=viser.Icon.TRASH, color="gray")
                 remove.on_click(lambda _: actions.on_remove_logo())
             # Buttons of the lists write here; see markup.order_button.
@@ -168,9 +168,10 @@ class ReportFolder:
         add.on_click(lambda _: actions.on_add_reading())
 
 
-def _add_picture_upload(gui: viser.GuiApi, label: str, hint: str, take: Callable[[Any], None]) -> None:
+def _add_picture_upload(gui: viser.GuiApi, label: str, hint: str, take: Callable[[Any], None]) -> Any:
     upload: Any = gui.add_upload_button(label, icon=viser.Icon.PHOTO, mime_type=".png,.jpg,.jpeg", hint=hint)
     upload.on_upload(lambda _: take(upload.value))
+    return upload
 
 
 def _offer(menu: Any, options: tuple[str, ...], before: str | None = None) -> None:
