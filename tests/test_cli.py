@@ -244,6 +244,7 @@ def test_the_program_runs_as_a_process_and_stays_quiet_on_stderr(stair_file, tmp
     assert "5 steps" in run.stdout
 
 
+@pytest.mark.slow
 def test_a_stdout_that_lacks_a_character_does_not_end_the_program(tmp_path, stair_file):
     (tmp_path / "Stiege_ä.ply").write_bytes(stair_file.read_bytes())
     script = (
@@ -756,6 +757,7 @@ def test_the_text_scan_that_would_become_its_own_table_is_refused(run, tmp_path)
     assert err == f"stair-inspector: {scan}: this result would overwrite a scan; give another folder with -o\n"
 
 
+@pytest.mark.slow
 def test_a_reader_that_has_seen_enough_does_not_stop_the_work(stair_file, tmp_path):
     copies = [tmp_path / f"s{k}.ply" for k in range(3)]
     for copy in copies:

@@ -135,7 +135,8 @@ def test_several_scans_are_all_checked(run, floor_file):  # noqa: F811
     assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize("command", ["check", pytest.param("measure", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["check", "measure"])
 def test_the_check_is_in_the_json(run, tmp_path, command):  # noqa: F811
     code, out, _ = run(command, DEFECTIVE, "--rules", "us-irc-2024", "-o", tmp_path)
     assert code == (1 if command == "check" else 0)

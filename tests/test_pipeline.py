@@ -471,6 +471,7 @@ def plain_result(up):
     return result_of(inspect(NOISY.scan(), Params(up=up)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHANGES)
 def test_memo_gives_what_a_plain_run_gives(name):
     # To find the floor and compare it with the treads takes longest: only where the setting matters for it.

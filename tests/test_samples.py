@@ -26,7 +26,11 @@ PRESETS = {
 """The preset that fits the scanner of each sample."""
 LENGTHS = ("rise_m", "going_m", "tread_depth_m", "width_m", "nosing_overhang_m")
 ANGLES = ("pitch_deg", "fall_deg", "cross_fall_deg")
-EVEN = ["straight", "long_landing", "handheld_noisy", "defective_step"]
+EVEN = [
+    "straight",
+    "long_landing",
+    *(pytest.param(name, marks=pytest.mark.slow) for name in ("handheld_noisy", "defective_step")),
+]
 
 
 @cache

@@ -78,7 +78,13 @@ def off(inspection, building, origin, quantities=QUANTITIES, unlimited=()):
 
 
 @pytest.mark.parametrize(
-    "name", ["even", "one riser +8 mm", "fall and +1/4 in", "twist 10 mm", "three risers", "going shrinks", "twins"]
+    "name",
+    [
+        "one riser +8 mm",
+        "fall and +1/4 in",
+        *(pytest.param(each, marks=pytest.mark.slow) for each in ("even", "twist 10 mm", "three risers")),
+        *(pytest.param(each, marks=pytest.mark.slow) for each in ("going shrinks", "twins")),
+    ],
 )
 def test_every_value_is_within_its_uncertainty(name):
     assert off(*survey(name)) == []

@@ -100,6 +100,7 @@ def test_another_scan_is_measured_and_its_name_is_text_even_if_it_looks_like_htm
     assert json.loads(content)["scan"]["file"] == HOSTILE_NAME
 
 
+@pytest.mark.slow
 def test_a_broken_scan_is_a_sentence_and_the_good_one_works_again(page, measured):
     page.choose_columns("paper")
     page.tab("Scan")

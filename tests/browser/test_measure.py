@@ -39,15 +39,15 @@ def test_a_page_opens_with_the_measurement(page, measured):
 @pytest.mark.parametrize(
     ("label", "key", "setting", "value", "used"),
     [
-        ("θ_th [°]", "Home", "horizontal.theta_deg", 1.0, "θ_th 1°"),
+        pytest.param("θ_th [°]", "Home", "horizontal.theta_deg", 1.0, "θ_th 1°", marks=pytest.mark.slow),
         ("ε_z [mm]", "Home", "levels.eps_m", 0.001, "ε_z 1 mm"),
-        ("m", "End", "levels.min_points", 5000, "m 5000"),
+        pytest.param("m", "End", "levels.min_points", 5000, "m 5000", marks=pytest.mark.slow),
         ("α_f [%]", "ArrowLeft", "edges.front_percentile", 94.5, "α 94.5/5 %"),
         pytest.param("α_b [%]", "ArrowRight", "edges.back_percentile", 5.5, "α 95/5.5 %", marks=pytest.mark.slow),
         pytest.param(
             "side edges [%]", "ArrowLeft", "edges.side_percentile", 98.5, "sides 98.5 %", marks=pytest.mark.slow
         ),
-        ("k", "ArrowRight", "normals.k", 31, "k 31"),
+        pytest.param("k", "ArrowRight", "normals.k", 31, "k 31", marks=pytest.mark.slow),
     ],
 )
 def test_a_slider_moved_by_keyboard_changes_the_table(page, measured, label, key, setting, value, used):
@@ -62,7 +62,7 @@ def test_a_slider_moved_by_keyboard_changes_the_table(page, measured, label, key
 @pytest.mark.parametrize(
     ("tab", "label", "option", "setting", "used"),
     [
-        ("Tune", "Axes rule", "global", "axes.rule", "axes global"),
+        pytest.param("Tune", "Axes rule", "global", "axes.rule", "axes global", marks=pytest.mark.slow),
         pytest.param("Scan", "Method", "paper", "method", "used: paper", marks=pytest.mark.slow),
         ("Scan", "Up", "-z", "up", "up (0.000, 0.000, -1.000) given"),
     ],

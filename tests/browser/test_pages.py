@@ -9,6 +9,7 @@ from stair_inspector.params import Params
 from stair_inspector.simulate.specs import Scanner, Stair
 
 
+@pytest.mark.slow
 def test_two_inspectors_do_not_disturb_each_other(page, open_page, app):
     other = open_page()
     # One inspector's columns are not the other's.

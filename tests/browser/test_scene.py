@@ -130,6 +130,7 @@ def test_the_selection_survives_a_slider_and_goes_when_its_step_goes(page):
     page.await_node("/stair/segments/selected", there=False)
 
 
+@pytest.mark.slow
 def test_the_dark_theme_is_dark(page):
     def background():
         return page.by_id("steps").evaluate(

@@ -63,6 +63,12 @@ def formats(name="defective_step"):
     return report_bytes(document(name))
 
 
+@functools.cache
+def html():
+    """The page alone: to typeset the PDF takes longest."""
+    return html_bytes(document())
+
+
 def plain_document(inspection, found=None, basis=None):
     """A report without pictures."""
     return build(inspection, found, basis or ReportBasis(), MADE_AT)

@@ -385,6 +385,7 @@ def test_a_tilt_is_told_in_millimetres_of_rise():
     assert "every slope by 1.7 %" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rules", [each.set_id for each in list_rule_sets()])
 def test_no_report_passes_a_legal_judgement(rules):
     own = find_rule_set(rules)

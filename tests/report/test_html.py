@@ -19,7 +19,7 @@ from tests.report.samples import (
     Page,
     checked,
     document,
-    formats,
+    html,
     html_page,
     plain_document,
     scanned,
@@ -58,7 +58,7 @@ def made_of(text):
 
 
 def test_nothing_is_loaded_and_no_script_can_run():
-    page = Page(formats()["_report.html"])
+    page = Page(html())
     assert {tag for tag, _ in page.tags} <= ALLOWED
     for _, attributes in page.tags:
         assert not any(name.startswith("on") or name in ("href", "action", "srcset", "style") for name in attributes)
@@ -66,12 +66,12 @@ def test_nothing_is_loaded_and_no_script_can_run():
 
 
 def test_the_policy_allows_pictures_from_within_and_this_very_style():
-    data = formats()["_report.html"].decode()
+    data = html().decode()
     style = re.search(r"<style>(.*?)</style>", data, re.DOTALL)[1]
     digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
     policy = next(
         attributes["content"]
-        for tag, attributes in Page(formats()["_report.html"]).tags
+        for tag, attributes in Page(html()).tags
         if tag == "meta" and attributes.get("http-equiv") == "Content-Security-Policy"
     )
     assert (
@@ -80,14 +80,14 @@ def test_the_policy_allows_pictures_from_within_and_this_very_style():
 
 
 def test_raw_and_segmented_stand_side_by_side_on_top():
-    data = formats()["_report.html"].decode()
+    data = html().decode()
     front = data.split("<section>")[0]
     pair = re.search(r'<div class="pair">(.*?)</div>', front, re.DOTALL)[1]
     assert re.findall(r'<figure id="([a-z_]+)"', pair) == ["raw_home", "segmented_home"]
 
 
 def test_every_picture_is_inside_with_words_for_those_who_do_not_see_it():
-    images = [attributes for tag, attributes in Page(formats()["_report.html"]).tags if tag == "img"]
+    images = [attributes for tag, attributes in Page(html()).tags if tag == "img"]
     figures = document().figures()
     assert [image["alt"] for image in images] == [figure.alt for figure in figures]
     for image, figure in zip(images, figures, strict=True):

@@ -14,7 +14,7 @@ from stair_inspector.report.document import Column, Number, Table, plain
 from stair_inspector.report.fields import ReportBasis, ReportFields
 from stair_inspector.report.xlsx import xlsx_bytes
 from tests.codes.flights import even, inspection_of
-from tests.report.samples import HOSTILE, MADE_AT, checked, document, formats, plain_document, scanned, workbook
+from tests.report.samples import HOSTILE, MADE_AT, checked, document, plain_document, scanned, workbook
 from tests.report.test_pdf import made_of
 
 FORMULAS = [
@@ -33,7 +33,7 @@ FORMULAS = [
 
 @pytest.fixture(scope="module")
 def book():
-    return openpyxl.load_workbook(io.BytesIO(formats()["_report.xlsx"]))
+    return openpyxl.load_workbook(io.BytesIO(xlsx_bytes(document())))
 
 
 def test_there_is_a_sheet_for_each_table_and_three_for_the_words(book):

@@ -88,6 +88,7 @@ def test_noise_free_risers_and_nosings_lie_on_their_faces(plain):
         assert distance[upright].max() <= 0.51e-5
 
 
+@pytest.mark.slow
 def test_first_surface_along_the_ray_is_the_one_seen():
     simulated = scan(build(Stair(n_risers=4, clutter=True, open_risers=True, wall="left")), exact(stations=2))
     # Rounding moves a ray sideways by 0.007 mm, which matters only beside edges.

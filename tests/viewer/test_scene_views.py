@@ -78,7 +78,12 @@ ACTIONS = {
 }
 
 
-@pytest.mark.parametrize("action", ACTIONS)
+SHORTEST = ("a step is chosen", "another mode")
+
+
+@pytest.mark.parametrize(
+    "action", [each if each in SHORTEST else pytest.param(each, marks=pytest.mark.slow) for each in ACTIONS]
+)
 def test_a_picture_while_which_something_was_drawn_is_taken_again(session, monkeypatch, action):
     with working(session, monkeypatch, lambda: None) as undisturbed:
         at_rest = taken(session)

@@ -210,6 +210,7 @@ def test_a_reload_brings_the_work_on_every_scan_back_with_its_undo(serve):
     assert session.work.params.levels.eps_m == Params().levels.eps_m
 
 
+@pytest.mark.slow
 def test_a_page_that_comes_back_leaves_alone_what_others_have_saved_meanwhile(serve, folder):
     app = serve()
     mine = WirePage(app)
@@ -253,6 +254,7 @@ def test_work_that_could_not_be_saved_before_a_reload_is_saved_after_it_whatever
     assert (title_in(in_the_way), title_in(folder / "other.stair.json")) == ("Hall", "Yard")
 
 
+@pytest.mark.slow
 def test_a_page_that_comes_back_while_its_file_is_in_use_takes_none_that_exists(serve, folder):
     app = serve()
     mine = WirePage(app)
@@ -369,6 +371,7 @@ def test_uploads_of_pages_that_have_gone_make_room(serve, scans):
     assert WirePage(app, page.storage).session.keeper.label == "stair.ply"
 
 
+@pytest.mark.slow
 def test_a_browser_that_is_back_before_its_old_connection_is_known_to_be_dead_goes_on(serve, folder, monkeypatch):
     monkeypatch.setattr(opening, "_ANSWER_S", 0.5)
     app = serve()
@@ -386,6 +389,7 @@ def test_a_browser_that_is_back_before_its_old_connection_is_known_to_be_dead_go
     assert page.session in app._sessions.values()
 
 
+@pytest.mark.slow
 def test_the_next_server_opens_the_scan_that_was_open(serve):
     app = serve()
     page = WirePage(app)

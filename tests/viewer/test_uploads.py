@@ -68,7 +68,6 @@ def test_a_button_for_small_files_says_what_it_takes(page, name, size, words):
     export = page.session.panel.export
     for button, suffix in (
         (export.report.load_logo, "png"),
-        (export.report.add_photo, "jpg"),
         (export.open, "json"),
         (page.session.panel.tune.load_preset, "toml"),
     ):

@@ -91,7 +91,7 @@ class ReportFolder:
                 self.photos = gui.add_html("")
                 self.caption: Any = gui.add_text("Caption", "", hint="Of the photograph that is added next.")
                 hint = "PNG or JPEG. The place and time that cameras hide in it are left out."
-                self.add_photo = _add_picture_upload(gui, "Add a photograph", hint, actions.on_photo)
+                _add_picture_upload(gui, "Add a photograph", hint, actions.on_photo)
             with gui.add_folder("Logo", expand_by_default=False):
                 self.logo = gui.add_html("")
                 self.load_logo = _add_picture_upload(gui, "Load a logo", "PNG or JPEG.", actions.on_logo)
