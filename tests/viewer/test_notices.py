@@ -2,6 +2,7 @@
 
 import asyncio
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 from stair_inspector.viewer.notices import orders_from_page
@@ -24,7 +25,9 @@ def test_two_orders_at_once_are_both_heard():
         await called(SimpleNamespace(client=None))
         may_go.set()
 
-    asyncio.run(two_messages())
+    # Where the tests of the browser ran before, this thread has a loop already.
+    with ThreadPoolExecutor(1) as other:
+        other.submit(asyncio.run, two_messages()).result()
     assert sorted(heard) == ["delete 1", "delete 2"]
 
 
