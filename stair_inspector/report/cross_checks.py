@@ -11,7 +11,8 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Measured, Step
 from stair_inspector.report.cells import QUANTITY_WORDS, lengths, mm, with_u
 from stair_inspector.report.document import Cell, Column, Number, Status, Table, Tone, plain
-from stair_inspector.report.fields import ReportBasis, TapeReading
+from stair_inspector.report.fields import ReportBasis
+from stair_inspector.report.readings import TapeReading
 from stair_inspector.report.values import flight_rise, flight_run, plane_to_plane
 
 _LINES = ("left", "centre", "right")

@@ -6,58 +6,23 @@ All of it is text, readings and pictures that the user gives; what is left empty
 import base64
 import binascii
 import dataclasses
-import datetime
-import io
-import math
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from stair_inspector.codes.rules import LENGTH_UNITS, is_plain_line, parse_written
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.toml import check_keys, read_toml
-from stair_inspector.params import METRES_PER_UNIT, brief
+from stair_inspector.params import brief
+from stair_inspector.report.images import LARGEST_IMAGE_BYTES, Photo, photo_as_kept, read_logo, read_photo
+from stair_inspector.report.readings import FLIGHT_QUANTITIES, STEP_QUANTITIES, TapeReading, parse_reading
+from stair_inspector.report.texts import check_text
 from stair_inspector.report.written import split_unit
 
 Paper = Literal["a4", "us-letter"]
-Line = Literal["left", "centre", "right"]
 
-LONGEST_TEXT = 4000
-"""Characters of one field: half a page."""
 MOST_READINGS = 200
 MOST_PHOTOS = 12
-_LARGEST_IMAGE_BYTES = 20_000_000
-_LARGEST_IMAGE_PIXELS = 60_000_000
-_LOGO_PIXELS = (1200, 600)
-_PHOTO_PIXELS = (1600, 1600)
-"""What a picture is made smaller to: enough for print at the size at which the report shows it."""
-_PHOTO_QUALITY = 85
-_END_OF_JPEG = b"\xff\xd9"
-
-STEP_QUANTITIES: dict[str, str] = {
-    "rise": "m",
-    "going": "m",
-    "tread_depth": "m",
-    "width": "m",
-    "nosing_overhang": "m",
-    "pitch": "deg",
-    "fall": "deg",
-    "cross_fall": "deg",
-}
-"""What can be read off one step by hand, and the unit that its value is kept in."""
-FLIGHT_QUANTITIES: dict[str, str] = {"flight_rise": "m", "flight_run": "m", "pitch": "deg", "width": "m"}
-"""What can be read off a whole flight by hand."""
-_MAY_BE_NEGATIVE = ("fall", "cross_fall", "nosing_overhang")
-"""Quantities with a direction; another one of zero or below is a slip of the pen."""
-ON_A_LINE = ("rise", "going")
-"""Quantities that are measured on three lines."""
-_LONGEST_READING = {"m": 100.0, "deg": 90.0}
-_LARGEST_NUMBER = 1e9
-"""Of any reading in any unit."""
-_SIZES = {**METRES_PER_UNIT, "deg": 1.0, "%": 0.01}
-"""Units of readings in metres, degrees or as a tangent."""
 
 
 def _text(label: str, hint: str = "") -> Any:
@@ -187,76 +152,6 @@ class Checklist(_Texts):
 
 
 @dataclass(frozen=True, slots=True)
-class TapeReading:
-    """One reading by hand, to be compared with the scan.
-
-    ``quantity`` is a name of :data:`STEP_QUANTITIES` where ``step`` is given, else of :data:`FLIGHT_QUANTITIES` with
-    ``flight``; ``value`` is in metres or degrees, ``u`` its expanded uncertainty (k = 2) where known; ``line`` is the
-    measuring line of a rise or going. ``at`` is the middle of the step's tread, scan frame, metres, where it is known:
-    the number of a step may change with the settings, its place does not.
-
-    Raises
-    ------
-    ConfigError
-        Unknown quantity, neither or both of step and flight, a place of a flight or one that is none, or a value that
-        no stair has.
-    """
-
-    quantity: str
-    value: float
-    step: int | None = None
-    flight: int | None = None
-    line: Line = "centre"
-    u: float | None = None
-    instrument: str = ""
-    note: str = ""
-    at: tuple[float, float, float] | None = None
-
-    def __post_init__(self) -> None:
-        place = f"reading of {brief(self.quantity)}"
-        if (self.step is None) == (self.flight is None):
-            raise ConfigError(f"{place}: give either step or flight, a number from 1")
-        known = STEP_QUANTITIES if self.flight is None else FLIGHT_QUANTITIES
-        check_keys("reading", [str(self.quantity)], known, "quantity")
-        for name in ("step", "flight"):
-            number = getattr(self, name)
-            if number is not None and (type(number) is not int or not 1 <= number <= 10_000):
-                raise ConfigError(f"{place}: {name}: got {brief(number)}; give a whole number from 1")
-        if self.line not in get_args(Line):
-            raise ConfigError(f"{place}: line: got {brief(self.line)}; give one of {', '.join(get_args(Line))}")
-        if self.line != "centre" and self.quantity not in ON_A_LINE:
-            raise ConfigError(
-                f"{place}: line: only {' and '.join(ON_A_LINE)} are measured on three lines; leave it out"
-            )
-        unit = known[self.quantity]
-        has_sign = self.quantity in _MAY_BE_NEGATIVE
-        value = _check_number(self.value, f"{place}: value", unit, has_sign=has_sign)
-        object.__setattr__(self, "value", value)
-        if self.u is not None:
-            object.__setattr__(self, "u", _check_number(self.u, f"{place}: u", unit))
-        if self.at is not None:
-            object.__setattr__(self, "at", _check_place(self.at, f"{place}: at", is_of_step=self.step is not None))
-        for name in ("instrument", "note"):
-            object.__setattr__(self, name, check_text(getattr(self, name), f"{place}: {name}"))
-
-    @property
-    def unit(self) -> str:
-        """The unit of ``value``: ``m`` or ``deg``."""
-        return (STEP_QUANTITIES if self.flight is None else FLIGHT_QUANTITIES)[self.quantity]
-
-
-@dataclass(frozen=True, slots=True)
-class Photo:
-    """A photograph of the site with its caption: ``data`` are the bytes of a JPEG or PNG (:func:`read_photo`)."""
-
-    data: bytes
-    caption: str = ""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "caption", check_text(self.caption, "a photo's caption"))
-
-
-@dataclass(frozen=True, slots=True)
 class ReportBasis:
     """All that a report takes from the user: fields, checklist, readings, logo (:func:`read_logo`), photos, paper."""
 
@@ -275,55 +170,6 @@ class ReportBasis:
             if len(entries) > most:
                 raise ConfigError(f"{name}: {len(entries)} entries; give at most {most}")
             object.__setattr__(self, name, entries)
-
-
-def check_text(value: object, name: str) -> str:
-    """Return a user's text without blanks at its ends; a date or time, as TOML knows them, is written as in ISO 8601.
-
-    Raises
-    ------
-    ConfigError
-        No text, longer than :data:`LONGEST_TEXT`, or with control characters, half letters or marks that turn the
-        direction of reading.
-    """
-    if isinstance(value, (datetime.date, datetime.time)):
-        value = value.isoformat()
-    if not isinstance(value, str):
-        raise ConfigError(f"{name}: got {brief(value)}; give a text in quotes")
-    text = value.replace("\r\n", "\n").replace("\r", "\n").replace("\t", " ").strip()
-    if len(text) > LONGEST_TEXT:
-        raise ConfigError(f"{name}: {len(text):,} characters; give at most {LONGEST_TEXT:,}")
-    broken = next((letter for letter in text if letter != "\n" and not is_plain_line(letter)), "")
-    if broken:
-        raise ConfigError(
-            f"{name}: holds a control character, half a letter or a mark that turns the direction of reading, "
-            f"{broken!a}; take it out"
-        )
-    return text
-
-
-def _check_number(value: object, place: str, unit: str, *, has_sign: bool = False, written: str = "") -> float:
-    """Return a size in metres or degrees; ``written`` is what the message repeats of it."""
-    most = _LONGEST_READING[unit]
-    said = written or brief(value)
-    # A comparison with something that is no number is False; a whole number may be too long for a float.
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not -most <= value <= most:
-        raise ConfigError(f"{place}: got {said}; give a number of at most {most:g} {unit}")
-    if value <= 0.0 and not has_sign:
-        raise ConfigError(f"{place}: got {said}; give a number above 0")
-    return float(value)
-
-
-def _check_place(value: object, place: str, *, is_of_step: bool) -> tuple[float, float, float]:
-    if not is_of_step:
-        raise ConfigError(f"{place}: only a step has a place; leave it out")
-    numbers = [number for number in value if type(number) in (int, float)] if isinstance(value, (list, tuple)) else []
-    if len(numbers) != 3 or not isinstance(value, (list, tuple)) or len(value) != 3:
-        raise ConfigError(f"{place}: got {brief(value)}; give x, y and z in metres")
-    if not all(-_LARGEST_NUMBER <= number <= _LARGEST_NUMBER for number in numbers):
-        raise ConfigError(f"{place}: got {brief(value)}; give x, y and z in metres")
-    x, y, z = map(float, numbers)
-    return x, y, z
 
 
 def read_basis(path: Path) -> ReportBasis:
@@ -403,7 +249,7 @@ def basis_from_dict(values: object, place: str = "report") -> ReportBasis:
         where = f"{place}: photo {number}"
         check_keys(where, entry, ("caption", "base64"))
         _check_named(where, entry, ("base64",))
-        photos.append(_photo_as_kept(_from_base64(entry["base64"], where), entry.get("caption", ""), where))
+        photos.append(photo_as_kept(_from_base64(entry["base64"], where), entry.get("caption", ""), where))
     return ReportBasis(
         fields=_texts_from(ReportFields, table.get("fields", {}), f"{place}: fields"),
         checklist=_texts_from(Checklist, table.get("checklist", {}), f"{place}: checklist"),
@@ -412,130 +258,6 @@ def basis_from_dict(values: object, place: str = "report") -> ReportBasis:
         photos=tuple(photos),
         paper=table.get("paper", "a4"),
     )
-
-
-def parse_reading(written: str | float, unit: str, quantity: str, place: str = "value", *, is_u: bool = False) -> float:
-    """Return a reading as it was given, ``"6 11/16"`` inches or 170.5 mm, in metres or degrees.
-
-    Parameters
-    ----------
-    written : str or float
-        A number, or a text with a number or a fraction; a unit written behind it counts before ``unit``.
-    unit : str
-        A unit of length; for an angle ``deg``, or ``%`` for a slope as a level shows it.
-    quantity : str
-        A name of :data:`STEP_QUANTITIES` or :data:`FLIGHT_QUANTITIES`.
-    is_u : bool
-        Whether it is the uncertainty of a reading, which has no direction.
-
-    Raises
-    ------
-    ConfigError
-        Not a number, a unit that does not fit the quantity, or a size that no stair has.
-    """
-    kept_in = {**STEP_QUANTITIES, **FLIGHT_QUANTITIES}.get(quantity, "deg")
-    number, own_unit = split_unit(written, place) if isinstance(written, str) else (written, "")
-    unit = own_unit or unit
-    units = LENGTH_UNITS if kept_in == "m" else ("deg", "%")
-    if unit not in units:
-        raise ConfigError(f"{place}: unit: got {brief(unit)}; give one of {', '.join(units)}")
-    if isinstance(number, str):
-        value = _size_of(number, unit, place)
-    elif isinstance(number, bool) or not isinstance(number, (int, float)):
-        raise ConfigError(f'{place}: got {brief(written)}; give a number, or a text such as "6 11/16"')
-    else:
-        # Out of any range, and too long for a float.
-        value = number if abs(number) > _LARGEST_NUMBER else number * _SIZES[unit]
-    said = f"{number if isinstance(number, str) else brief(number)} {unit}"
-    if unit == "%" and -_LARGEST_NUMBER <= value <= _LARGEST_NUMBER:
-        value = math.degrees(math.atan(value))
-    return _check_number(value, place, kept_in, has_sign=quantity in _MAY_BE_NEGATIVE and not is_u, written=said)
-
-
-def _size_of(number: str, unit: str, place: str) -> float:
-    """Return what a text with a sign says, in metres, degrees or as a tangent."""
-    sign, digits = (-1.0, number[1:].strip()) if number[:1] in ("-", "−") else (1.0, number)
-    try:
-        return sign * float(parse_written(digits, unit))
-    except ConfigError as error:
-        raise ConfigError(f"{place}: {error}") from error
-
-
-def read_logo(data: bytes, place: str = "logo") -> bytes:
-    """Return a logo as PNG, made small enough for the head of a page.
-
-    Raises
-    ------
-    ConfigError
-        Not a PNG or JPEG, damaged, or too large.
-    """
-    return _redrawn(data, place, _LOGO_PIXELS, "PNG")
-
-
-def read_photo(data: bytes, caption: str = "", place: str = "photo") -> Photo:
-    """Return a photograph as JPEG, upright, without the place and time that cameras hide in it.
-
-    Raises
-    ------
-    ConfigError
-        Not a PNG or JPEG, damaged, or too large.
-    """
-    return Photo(_redrawn(data, place, _PHOTO_PIXELS, "JPEG"), caption)
-
-
-def _photo_as_kept(data: bytes, caption: str, place: str) -> Photo:
-    """Return a photograph of a project: as it is where it was redrawn before, since each time would cost some of it."""
-    return Photo(data, caption) if _is_redrawn(data) else read_photo(data, caption, place)
-
-
-def _is_redrawn(data: bytes) -> bool:
-    """Return whether a picture is a JPEG as :func:`read_photo` makes them, sound, small enough and nothing hidden."""
-    from PIL import Image, JpegImagePlugin
-
-    if len(data) > _LARGEST_IMAGE_BYTES:
-        return False
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            with Image.open(io.BytesIO(data), formats=("JPEG",)) as picture:
-                assert isinstance(picture, JpegImagePlugin.JpegImageFile)
-                has_room = all(2 <= size <= most for size, most in zip(picture.size, _PHOTO_PIXELS, strict=True))
-                # Places and times, comments and profiles stand in segments of their own.
-                is_bare = [name for name, _ in picture.applist] == ["APP0"] and data.endswith(_END_OF_JPEG)
-                if not has_room or not is_bare or picture.mode != "RGB":
-                    return False
-                picture.load()
-    except (OSError, ValueError, SyntaxError, Warning, Image.DecompressionBombError):
-        return False
-    return True
-
-
-def _redrawn(data: bytes, place: str, most_pixels: tuple[int, int], kind: Literal["PNG", "JPEG"]) -> bytes:
-    from PIL import Image, ImageOps
-
-    if len(data) > _LARGEST_IMAGE_BYTES:
-        raise ConfigError(f"{place}: larger than {_LARGEST_IMAGE_BYTES // 1_000_000} MB; give a smaller picture")
-    try:
-        with warnings.catch_warnings():
-            # Pillow only warns of a picture that would fill the memory.
-            warnings.simplefilter("error")
-            with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
-                if picture.width * picture.height > _LARGEST_IMAGE_PIXELS:
-                    raise ConfigError(f"{place}: {picture.width} x {picture.height} pixels; give a smaller picture")
-                upright = ImageOps.exif_transpose(picture)
-                drawn = upright.convert("RGBA" if kind == "PNG" else "RGB")
-    except ConfigError:
-        raise
-    except (OSError, ValueError, SyntaxError, Warning, Image.DecompressionBombError) as error:
-        raise ConfigError(f"{place}: is not a PNG or JPEG picture that can be read; give another file") from error
-    if min(drawn.size) < 2:
-        raise ConfigError(f"{place}: {drawn.width} x {drawn.height} pixels; give a larger picture")
-    drawn.thumbnail(most_pixels)
-    # It would be written again.
-    drawn.info.pop("comment", None)
-    stream = io.BytesIO()
-    drawn.save(stream, kind, quality=_PHOTO_QUALITY, optimize=True)
-    return stream.getvalue()
 
 
 def _texts_from(kind: type[Any], values: object, place: str) -> Any:
@@ -589,7 +311,7 @@ def _bytes_of(folder: Path, name: object, place: str) -> bytes:
         if not path.is_file():
             raise ConfigError(f"{place}: {path} is no file; check the name")
         with path.open("rb") as stream:
-            return stream.read(_LARGEST_IMAGE_BYTES + 1)
+            return stream.read(LARGEST_IMAGE_BYTES + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, ConfigError):
             raise

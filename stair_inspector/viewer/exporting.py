@@ -12,7 +12,6 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.exports import csv_bytes, debug_ply_bytes, json_bytes
 from stair_inspector.files.projects import Project, check_scan, parse_project, project_bytes
 from stair_inspector.geometry.arrays import Colors
-from stair_inspector.report.fields import check_text
 from stair_inspector.report.pictures.cameras import VIEWS, Pose, View
 from stair_inspector.report.pictures.legends import Legend, line_entries
 from stair_inspector.report.pictures.picture import (
@@ -24,6 +23,7 @@ from stair_inspector.report.pictures.picture import (
     scale_of,
     size_of,
 )
+from stair_inspector.report.texts import check_text
 from stair_inspector.report.units import Unit
 from stair_inspector.viewer import html
 from stair_inspector.viewer.desk import Desk, Editor, Shown

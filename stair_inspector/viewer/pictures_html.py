@@ -6,7 +6,8 @@ from functools import lru_cache
 
 from PIL import Image
 
-from stair_inspector.report.fields import MOST_PHOTOS, Photo
+from stair_inspector.report.fields import MOST_PHOTOS
+from stair_inspector.report.images import Photo
 from stair_inspector.viewer.markup import DIM, LINE, list_key, order_button, text
 
 DELETE_PHOTO = "photo"

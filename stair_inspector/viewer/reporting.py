@@ -13,21 +13,16 @@ from stair_inspector.codes import Check
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.exports import csv_bytes, json_bytes
 from stair_inspector.model import Inspection
-from stair_inspector.report.fields import (
-    ON_A_LINE,
-    ReportBasis,
-    TapeReading,
-    check_text,
-    parse_reading,
-    read_logo,
-    read_photo,
-)
+from stair_inspector.report.fields import ReportBasis
 from stair_inspector.report.html import html_bytes
+from stair_inspector.report.images import read_logo, read_photo
 from stair_inspector.report.moments import odd_moment
 from stair_inspector.report.pdf import pdf_bytes
 from stair_inspector.report.pictures.frames import step_of
 from stair_inspector.report.project_basis import titled
+from stair_inspector.report.readings import ON_A_LINE, TapeReading, parse_reading
 from stair_inspector.report.render import RenderedView
+from stair_inspector.report.texts import check_text
 from stair_inspector.report.write import DRAWING_SUFFIXES, SUFFIXES, drawing_bytes, make_report
 from stair_inspector.report.xlsx import xlsx_bytes
 from stair_inspector.viewer.checking import Checking

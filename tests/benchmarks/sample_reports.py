@@ -16,8 +16,10 @@ from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
 from stair_inspector.pipeline import inspect
-from stair_inspector.report.fields import ReportBasis, ReportFields, TapeReading, read_logo
+from stair_inspector.report.fields import ReportBasis, ReportFields
+from stair_inspector.report.images import read_logo
 from stair_inspector.report.pdf import page_pngs
+from stair_inspector.report.readings import TapeReading
 from stair_inspector.report.write import make_report, write_report
 
 MADE_AT = datetime(2026, 11, 22, 12, 0, tzinfo=UTC)

@@ -16,7 +16,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.exports import csv_bytes
 from stair_inspector.files.projects import parse_project
 from stair_inspector.files.rule_sets import find_rule_set
-from stair_inspector.report.fields import read_logo
+from stair_inspector.report.images import read_logo
 from stair_inspector.report.project_basis import basis_of
 from stair_inspector.viewer import scene_views
 from tests.browser.inspector_page import THROTTLE_MS, click_at_once

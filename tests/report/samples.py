@@ -16,9 +16,10 @@ from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
 from stair_inspector.pipeline import inspect
 from stair_inspector.report.content import build
-from stair_inspector.report.fields import ReportBasis, ReportFields, TapeReading
+from stair_inspector.report.fields import ReportBasis, ReportFields
 from stair_inspector.report.html import html_bytes
 from stair_inspector.report.pdf import pdf_bytes
+from stair_inspector.report.readings import TapeReading
 from stair_inspector.report.write import make_report, report_bytes
 from stair_inspector.report.xlsx import xlsx_bytes
 

@@ -13,7 +13,8 @@ from stair_inspector.model import Note
 from stair_inspector.params import Params, UncertaintyParams
 from stair_inspector.pipeline import inspect
 from stair_inspector.report.document import Facts, Figure, KeyFigures, Paragraph, Signatures, Status, Table
-from stair_inspector.report.fields import Checklist, Photo, ReportBasis, ReportFields
+from stair_inspector.report.fields import Checklist, ReportBasis, ReportFields
+from stair_inspector.report.images import Photo
 from stair_inspector.report.note_words import note_words
 from stair_inspector.report.wording import (
     limitation_sentences,

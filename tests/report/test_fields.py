@@ -1,10 +1,8 @@
 """What the inspector adds: read strictly, kept as given, pictures redrawn."""
 
-import contextlib
 import dataclasses
 import io
 import itertools
-import math
 
 import pytest
 from hypothesis import given
@@ -15,20 +13,16 @@ from stair_inspector.codes.rules import is_plain_line
 from stair_inspector.errors import ConfigError
 from stair_inspector.report.fields import (
     FIELD_GROUPS,
-    FLIGHT_QUANTITIES,
-    STEP_QUANTITIES,
     Checklist,
-    Photo,
     ReportBasis,
     ReportFields,
-    TapeReading,
     basis_from_dict,
     basis_to_dict,
-    parse_reading,
     read_basis,
-    read_logo,
-    read_photo,
 )
+from stair_inspector.report.images import Photo
+from stair_inspector.report.readings import FLIGHT_QUANTITIES, STEP_QUANTITIES, TapeReading
+from tests.report.test_images import picture
 
 WHOLE = """
 logo = "logo.png"
@@ -54,12 +48,6 @@ unit = "deg"
 file = "photo.jpg"
 caption = "from below"
 """
-
-
-def picture(kind="PNG", size=(40, 20), mode="RGB", **more):
-    stream = io.BytesIO()
-    Image.new(mode, size, "#804020").save(stream, kind, **more)
-    return stream.getvalue()
 
 
 @pytest.fixture
@@ -93,16 +81,6 @@ def test_a_date_or_time_without_quotes_is_taken_as_text(folder):
     fields = basis_of(folder, text).fields
     assert (fields.survey_date, fields.survey_time) == ("2026-11-22", "09:30:00")
     assert fields.signed_on == "2026-11-23T08:15:00+00:00"
-
-
-@pytest.mark.parametrize("quantity", sorted(STEP_QUANTITIES))
-def test_only_what_has_a_direction_may_be_negative(quantity):
-    if quantity in ("fall", "cross_fall", "nosing_overhang"):
-        assert TapeReading(quantity, -0.01, step=1).value == -0.01
-    else:
-        for value, said in ((-0.01, r"-0\.01"), (0.0, r"0\.0")):
-            with pytest.raises(ConfigError, match=rf"value: got {said}; give a number above 0"):
-                TapeReading(quantity, value, step=1)
 
 
 def test_an_empty_file_leaves_all_blank(folder):
@@ -180,65 +158,6 @@ def test_a_file_that_is_missing_or_no_text_is_refused(folder):
         read_basis(folder / "binary.toml")
 
 
-@pytest.mark.parametrize(
-    ("written", "unit", "quantity", "value"),
-    [
-        (170.5, "mm", "rise", 0.1705),
-        (17, "cm", "rise", 0.17),
-        ("6 11/16", "in", "rise", 0.1698625),
-        ("-1/2", "in", "nosing_overhang", -0.0127),
-        (2.0, "%", "fall", math.degrees(math.atan(0.02))),
-        ("2", "%", "cross_fall", math.degrees(math.atan(0.02))),
-        ("32.5", "deg", "pitch", 32.5),
-        (1.5, "ft", "flight_run", 0.4572),
-        ("170.5 mm", "in", "rise", 0.1705),
-        ("170.5mm", "in", "rise", 0.1705),
-        ("17.05 CM", "mm", "rise", 0.1705),
-        ('7 9/16"', "mm", "rise", 0.1920875),
-        ("7⁹⁄₁₆ in", "mm", "rise", 0.1920875),
-        ("7¾ in", "mm", "rise", 0.19685),
-        ("7 ¾″", "mm", "rise", 0.19685),
-        ("½", "in", "nosing_overhang", 0.0127),
-        ("−½ inch", "mm", "nosing_overhang", -0.0127),
-        ("3'", "mm", "width", 0.9144),
-        ("32.5°", "%", "pitch", 32.5),
-        ("2 %", "deg", "fall", math.degrees(math.atan(0.02))),
-    ],
-)
-def test_a_reading_keeps_its_exact_size(written, unit, quantity, value):
-    assert parse_reading(written, unit, quantity) == pytest.approx(value, rel=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("written", "unit", "quantity", "message"),
-    [
-        ("-170", "mm", "rise", "value: got -170 mm; give a number above 0"),
-        ("-6 11/16", "in", "going", "value: got -6 11/16 in; give a number above 0"),
-        ("0", "mm", "rise", "value: got 0 mm; give a number above 0"),
-        ("0°", "mm", "pitch", "value: got 0 deg; give a number above 0"),
-        ("200000", "mm", "rise", "value: got 200000 mm; give a number of at most 100 m"),
-        ("170,5", "mm", "rise", "value: got '170,5'; write a point, not a comma, as in 170.5"),
-        ("1,205 mm", "mm", "rise", "value: got '1,205 mm'; write a point, not a comma"),
-        ("170 kg", "mm", "rise", "value: unit: got 'kg'; give one of m, cm, mm, in, ft"),
-        ("170°", "mm", "rise", "value: unit: got 'deg'; give one of m, cm, mm, in, ft"),
-        ("5' 7\"", "mm", "rise", 'value: "5\' 7" is no number; write it as 11, 16.5, 3/8 or 7 3/4'),
-        ("", "mm", "rise", "value: '' is no number"),
-        ("mm", "mm", "rise", "value: 'mm' is no number"),
-        ("a lot", "mm", "rise", "value: 'a lot' is no number"),
-    ],
-)
-def test_a_reading_that_cannot_be_is_refused_as_it_was_written(written, unit, quantity, message):
-    with pytest.raises(ConfigError) as caught:
-        parse_reading(written, unit, quantity)
-    assert str(caught.value).startswith(message)
-
-
-@given(st.text(max_size=60), st.sampled_from(["m", "in", "deg", "%", "kg"]), st.sampled_from(sorted(STEP_QUANTITIES)))
-def test_any_text_is_a_reading_or_a_sentence(written, unit, quantity):
-    with contextlib.suppress(ConfigError):
-        assert math.isfinite(parse_reading(written, unit, quantity))
-
-
 @pytest.mark.parametrize("name", ["value", "u"])
 def test_a_project_with_a_number_too_long_for_a_float_is_a_sentence(name):
     reading = {"quantity": "rise", "value": 0.17, "step": 1, name: 10**400}
@@ -291,32 +210,6 @@ def test_a_hostile_project_is_refused(values, message):
         basis_from_dict(values)
 
 
-def test_a_photo_is_upright_small_and_tells_no_place():
-    exif = Image.Exif()
-    exif[0x0112] = 6
-    exif[0x010E] = "secret place"
-    data = picture("JPEG", (3000, 1000), exif=exif.tobytes())
-    photo = read_photo(data, "x")
-    shown = Image.open(io.BytesIO(photo.data))
-    assert shown.size == (533, 1600)
-    assert b"secret place" not in photo.data
-    assert dict(shown.getexif()) == {}
-
-
-def test_a_logo_keeps_what_is_transparent_and_is_made_small():
-    logo = Image.open(io.BytesIO(read_logo(picture("PNG", (5000, 5000), "RGBA"))))
-    assert (logo.format, logo.mode, logo.size) == ("PNG", "RGBA", (600, 600))
-
-
-def test_a_picture_that_would_fill_the_memory_is_refused():
-    with pytest.raises(ConfigError, match=r"pixels; give a smaller picture|is not a PNG or JPEG"):
-        read_logo(picture("PNG", (12_000, 12_000), "1"))
-    with pytest.raises(ConfigError, match="larger than 20 MB"):
-        read_logo(b"\x89PNG" + bytes(20_000_000))
-    with pytest.raises(ConfigError, match="1 x 1 pixels; give a larger picture"):
-        read_logo(picture(size=(1, 1)))
-
-
 def test_too_many_entries_are_refused():
     with pytest.raises(ConfigError, match="readings: 201 entries; give at most 200"):
         ReportBasis(readings=(TapeReading("rise", 0.17, step=1),) * 201)
@@ -328,56 +221,3 @@ def test_every_quantity_has_a_unit():
     assert set({**STEP_QUANTITIES, **FLIGHT_QUANTITIES}.values()) == {"m", "deg"}
     assert TapeReading("width", 1.2, flight=1).unit == "m"
     assert TapeReading("fall", 1.2, step=1).unit == "deg"
-
-
-def photo_of(seed, **saved):
-    """A JPEG of noise, which loses some of itself whenever it is encoded."""
-    picture = Image.effect_noise((90, 60), 80.0 + seed).convert("RGB")
-    stream = io.BytesIO()
-    picture.save(stream, "JPEG", **saved)
-    return stream.getvalue()
-
-
-def opened_again(basis):
-    return basis_from_dict(basis_to_dict(basis))
-
-
-def test_a_photo_of_a_project_is_the_same_however_often_it_is_opened():
-    basis = ReportBasis(photos=(read_photo(photo_of(1), "the landing"),))
-    again = opened_again(opened_again(basis))
-    assert again == basis
-    assert again.photos[0].data == basis.photos[0].data
-
-
-def hidden():
-    exif = Image.Exif()
-    exif[0x010F] = "a camera"
-    return {
-        "exif": photo_of(2, exif=exif),
-        "comment": photo_of(3, comment=b"at home"),
-        "profile": photo_of(4, icc_profile=b"profile of a camera"),
-        "end": photo_of(5) + b"and more",
-    }
-
-
-@pytest.mark.parametrize("what", ["exif", "comment", "profile", "end"])
-def test_a_photo_put_into_a_project_by_hand_is_drawn_anew_and_then_stays(what):
-    given = Photo(hidden()[what], "")
-    kept = opened_again(ReportBasis(photos=(given,))).photos[0].data
-    assert kept != given.data
-    for secret in (b"a camera", b"at home", b"profile of", b"and more"):
-        assert secret not in kept
-    assert opened_again(ReportBasis(photos=(Photo(kept),))).photos[0].data == kept
-
-
-def test_a_photo_put_into_a_project_by_hand_is_made_small_enough():
-    stream = io.BytesIO()
-    Image.new("RGB", (2400, 300), (90, 120, 30)).save(stream, "JPEG")
-    kept = opened_again(ReportBasis(photos=(Photo(stream.getvalue()),))).photos[0].data
-    with Image.open(io.BytesIO(kept)) as picture:
-        assert picture.size == (1600, 200)
-
-
-def test_a_photo_of_a_project_that_is_cut_off_is_refused():
-    with pytest.raises(ConfigError, match="photo 1: is not a PNG or JPEG picture that can be read"):
-        opened_again(ReportBasis(photos=(Photo(photo_of(6)[:-400]),)))

@@ -8,8 +8,10 @@ from PIL import Image
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.projects import Project, parse_project, project_bytes
-from stair_inspector.report.fields import Checklist, ReportBasis, ReportFields, TapeReading, basis_to_dict, read_logo
+from stair_inspector.report.fields import Checklist, ReportBasis, ReportFields, basis_to_dict
+from stair_inspector.report.images import read_logo
 from stair_inspector.report.project_basis import basis_of, titled
+from stair_inspector.report.readings import TapeReading
 
 SHA = "0123456789abcdef" * 4
 

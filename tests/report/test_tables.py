@@ -13,7 +13,8 @@ from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import Measured, Patch, Statistics
 from stair_inspector.report import cells, cross_checks, grounds, rule_tables, tables, values
 from stair_inspector.report.document import Column, Number, Status, plain
-from stair_inspector.report.fields import Checklist, ReportBasis, TapeReading
+from stair_inspector.report.fields import Checklist, ReportBasis
+from stair_inspector.report.readings import TapeReading
 from tests.codes.flights import changed, even, flight_of, inspection_of, measured, step
 from tests.report.samples import scanned
 

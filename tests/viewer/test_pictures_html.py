@@ -5,7 +5,7 @@ import io
 
 from PIL import Image
 
-from stair_inspector.report.fields import read_logo, read_photo
+from stair_inspector.report.images import read_logo, read_photo
 from stair_inspector.viewer.markup import list_key
 from stair_inspector.viewer.pictures_html import logo_html, photos_html
 from tests.viewer.test_html import Page

@@ -2,7 +2,8 @@
 
 import pytest
 
-from stair_inspector.report.fields import ReportBasis, TapeReading
+from stair_inspector.report.fields import ReportBasis
+from stair_inspector.report.readings import TapeReading
 from stair_inspector.viewer.markup import list_key, pick_script
 from stair_inspector.viewer.readings_html import readings_html
 from tests.codes.flights import even, inspection_of

@@ -12,7 +12,9 @@ from PIL import Image
 from stair_inspector.codes.rules import LENGTH_UNITS
 from stair_inspector.errors import ConfigError
 from stair_inspector.report.cross_checks import readings_table
-from stair_inspector.report.fields import LONGEST_TEXT, STEP_QUANTITIES, read_photo
+from stair_inspector.report.images import read_photo
+from stair_inspector.report.readings import STEP_QUANTITIES
+from stair_inspector.report.texts import LONGEST_TEXT
 from stair_inspector.viewer.markup import list_key
 from tests.viewer.wire_page import OTHER, STAIR, await_that
 

@@ -16,7 +16,9 @@ from stair_inspector.files.projects import Measurement, read_project
 from stair_inspector.files.settings import preset_bytes
 from stair_inspector.files.simulations import simulate_to_file
 from stair_inspector.params import Params
-from stair_inspector.report.fields import ReportBasis, ReportFields, TapeReading, read_logo
+from stair_inspector.report.fields import ReportBasis, ReportFields
+from stair_inspector.report.images import read_logo
+from stair_inspector.report.readings import TapeReading
 from stair_inspector.simulate.specs import Scanner, Stair
 from stair_inspector.viewer import opening
 from stair_inspector.viewer.app import App

@@ -9,16 +9,8 @@ import viser
 
 from stair_inspector.codes.rules import LENGTH_UNITS
 from stair_inspector.report.cells import QUANTITY_WORDS
-from stair_inspector.report.fields import (
-    FIELD_GROUPS,
-    FLIGHT_QUANTITIES,
-    ON_A_LINE,
-    STEP_QUANTITIES,
-    Checklist,
-    Line,
-    ReportBasis,
-    ReportFields,
-)
+from stair_inspector.report.fields import FIELD_GROUPS, Checklist, ReportBasis, ReportFields
+from stair_inspector.report.readings import FLIGHT_QUANTITIES, ON_A_LINE, STEP_QUANTITIES, Line
 from stair_inspector.viewer.notices import from_page, orders_from_page
 
 Part = Literal["fields", "checklist"]
