@@ -94,9 +94,7 @@ class View(Common):
     fields: Annotated[
         str,
         tyro.conf.arg(metavar="FILE.toml"),
-        Doc(
-            "What every report begins with: firm, surveyor, instrument, logo; readings and photos belong to one stair."
-        ),
+        Doc("What the report on every scan begins with: firm, surveyor, instrument, client, site, building, logo."),
     ] = ""
 
 
@@ -300,14 +298,13 @@ def _view(args: list[str]) -> int:
 
 def _basis_of_all(path: Path) -> "ReportBasis":
     """Return what the reports on all stairs begin with."""
-    from stair_inspector.report.fields import read_basis
+    from stair_inspector.report.fields import entries_of_one_stair, read_basis
 
     basis = read_basis(path)
-    for name, entries in (("readings", basis.readings), ("photos", basis.photos)):
-        if entries:
-            raise ConfigError(
-                f"view: {path}: {name} belong to one stair; give them to measure --report, or on the page"
-            )
+    names = entries_of_one_stair(basis)
+    if names:
+        shown = ", ".join(names[:5]) + (" and others" if len(names) > 5 else "")
+        raise ConfigError(f"view: {path}: belongs to one stair: {shown}; give it on the page, or to measure --report")
     return basis
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import stair_inspector
 from stair_inspector import cli
@@ -661,12 +662,16 @@ def test_a_missing_file(run, tmp_path, monkeypatch, command):
     ("text", "sentence"),
     [
         ("[fields]\nfirma = 'A'", "[fields]: unknown key 'firma'; did you mean 'firm'?"),
-        ("[[readings]]\nquantity = 'rise'\nstep = 1\nvalue = 170\nunit = 'mm'", "readings belong to one stair"),
+        ("[[readings]]\nquantity = 'rise'\nstep = 1\nvalue = 170\nunit = 'mm'", "belongs to one stair: readings;"),
+        ("[[photos]]\nfile = 'a.png'", "belongs to one stair: photos;"),
+        ("[fields]\nstair = 'B'\nfirm = 'F'\ntitle = 'T'", "belongs to one stair: title, stair;"),
+        ("[checklist]\nhandrails = 'seen, good'", "belongs to one stair: handrails;"),
     ],
 )
 def test_what_the_reports_of_a_page_begin_with_is_checked_before_it_opens(run, stair_file, tmp_path, text, sentence):
     path = tmp_path / "firm.toml"
     path.write_text(text, encoding="utf-8")
+    Image.new("RGB", (20, 20)).save(tmp_path / "a.png")
     line = refusal(run, "view", stair_file, "--no-browser", "--fields", path)
     assert str(path) in line
     assert sentence in line

@@ -126,6 +126,9 @@ FIELD_GROUPS: dict[str, tuple[str, ...]] = {
     "Sign-off": ("signed_by", "signed_as", "signed_on", "reviewed_by", "reviewed_on"),
 }
 """Every field of :class:`ReportFields`, in the order and the groups of the report and the page."""
+OF_THE_SURVEYOR = ("inspector", "firm", "licence", *FIELD_GROUPS["Instrument"])
+"""Fields that are the same for the next stair of a survey."""
+_OF_THE_SITE = ("client", "site", "building")
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,6 +209,14 @@ def read_basis(path: Path) -> ReportBasis:
         )
     except ConfigError as error:
         raise ConfigError(f"{place}: {error}") from error
+
+
+def entries_of_one_stair(basis: ReportBasis) -> tuple[str, ...]:
+    """Return what is given that can not be true of every stair of a survey, by its name in the file."""
+    shared = (*OF_THE_SURVEYOR, *_OF_THE_SITE)
+    fields = (name for name in _filled(basis.fields) if name not in shared)
+    lists = (name for name in ("readings", "photos") if getattr(basis, name))
+    return (*fields, *_filled(basis.checklist), *lists)
 
 
 def basis_to_dict(basis: ReportBasis) -> dict[str, Any]:

@@ -14,7 +14,8 @@ _LOGO_PIXELS = (1200, 600)
 _PHOTO_PIXELS = (1600, 1600)
 """What a picture is made smaller to: enough for print at the size at which the report shows it."""
 _PHOTO_QUALITY = 85
-_END_OF_JPEG = b"\xff\xd9"
+_START_OF_SCAN, _END_OF_JPEG = b"\xff\xda", b"\xff\xd9"
+"""Marks of a JPEG; the picture between them has neither."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +68,9 @@ def _is_redrawn(data: bytes) -> bool:
             with Image.open(io.BytesIO(data), formats=("JPEG",)) as picture:
                 assert isinstance(picture, JpegImagePlugin.JpegImageFile)
                 has_room = all(2 <= size <= most for size, most in zip(picture.size, _PHOTO_PIXELS, strict=True))
-                # Places and times, comments and profiles stand in segments of their own.
-                is_bare = [name for name, _ in picture.applist] == ["APP0"] and data.endswith(_END_OF_JPEG)
+                # Places and times, comments and profiles stand in segments of their own, or behind the picture's end.
+                ends = data.find(_END_OF_JPEG, data.find(_START_OF_SCAN)) + len(_END_OF_JPEG)
+                is_bare = [name for name, _ in picture.applist] == ["APP0"] and ends == len(data)
                 if not has_room or not is_bare or picture.mode != "RGB":
                     return False
                 picture.load()

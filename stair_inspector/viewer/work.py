@@ -22,7 +22,7 @@ from stair_inspector.files.projects import (
     save_project,
 )
 from stair_inspector.params import OverrulesParams, Params
-from stair_inspector.report.fields import FIELD_GROUPS, ReportBasis, basis_to_dict
+from stair_inspector.report.fields import OF_THE_SURVEYOR, ReportBasis, basis_to_dict
 from stair_inspector.report.project_basis import basis_of
 from stair_inspector.viewer.history import History
 from stair_inspector.viewer.library import Library, state_of
@@ -54,20 +54,17 @@ class Work:
             check_entries(name, getattr(self, name))
 
 
-_OF_THE_SURVEYOR = ("inspector", "firm", "licence", *FIELD_GROUPS["Instrument"])
-"""Fields of a report that are the same for the next stair of a survey."""
-
-
 def work_beside(work: Work, started: Work) -> Work:
-    """Return the work that another scan begins with: what belongs to the scan that is left stays with it.
+    """Return the work that another scan begins with, after that on the scan that is left.
 
-    Settings go on, and so do the rule set, the firm, the surveyor, the instrument and the logo. The unit, up and
-    overrules belong to the scan; a limit that was changed, with its reason, to the stair.
+    Settings go on, the rule set with its overlays, decision rule and the user's own rule files, and of the report the
+    surveyor, the firm, the instrument, the logo and the paper. All else belongs to the scan, as the unit, up and
+    overrules, or to the stair, as a limit that was changed for a reason.
     """
     params = dataclasses.replace(
         work.params, unit=started.params.unit, up=started.params.up, overrules=OverrulesParams()
     )
-    fields = {name: getattr(work.basis.fields, name) for name in _OF_THE_SURVEYOR}
+    fields = {name: getattr(work.basis.fields, name) for name in OF_THE_SURVEYOR}
     basis = dataclasses.replace(
         started.basis,
         fields=dataclasses.replace(started.basis.fields, **fields),

@@ -73,10 +73,11 @@ def hidden():
         "comment": photo_of(3, comment=b"at home"),
         "profile": photo_of(4, icc_profile=b"profile of a camera"),
         "end": photo_of(5) + b"and more",
+        "end twice": photo_of(5) + b"and more\xff\xd9",
     }
 
 
-@pytest.mark.parametrize("what", ["exif", "comment", "profile", "end"])
+@pytest.mark.parametrize("what", ["exif", "comment", "profile", "end", "end twice"])
 def test_a_photo_put_into_a_project_by_hand_is_drawn_anew_and_then_stays(what):
     given = Photo(hidden()[what], "")
     kept = opened_again(ReportBasis(photos=(given,))).photos[0].data

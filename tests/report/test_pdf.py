@@ -159,6 +159,10 @@ def test_a_letter_that_no_font_has_is_spelt_out(letter):
     assert f"before ⟨U+{ord(letter):04X}⟩ after" in shown
 
 
+def test_a_mark_that_joins_to_the_letter_before_it_is_drawn_with_it():
+    assert "⟨U+" not in pdf_text(made_of(Paragraph("re\u0301sume\u0301")))
+
+
 @pytest.mark.parametrize("letter", ["\U0001f642", "\u1780", "\uf8ff"])
 def test_a_letter_in_a_drawing_that_no_font_has_is_spelt_out(letter):
     words = f'<text y="12" font-size="8">a{letter}b</text>'

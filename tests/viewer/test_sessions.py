@@ -11,7 +11,7 @@ from PIL import Image
 
 from stair_inspector.codes import Limit, RuleEdit
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.chosen_rules import ChosenRules
+from stair_inspector.files.chosen_rules import ChosenRules, LeftEdits
 from stair_inspector.files.projects import Measurement, read_project
 from stair_inspector.files.settings import preset_bytes
 from stair_inspector.files.simulations import simulate_to_file
@@ -175,13 +175,9 @@ def test_a_report_begins_with_what_the_server_was_given_and_goes_on_with_the_sur
     fields = dataclasses.replace(basis.fields, inspector="J. Alder", instrument_model="X 7", stair="C-2", client="Else")
     reading = TapeReading("rise", 0.17, step=1)
     session.change("changed", basis=ReportBasis(fields=fields, readings=(reading,), logo=LOGO))
-    riser = Limit.of("7 3/4", "in")
-    session.change(
-        "changed",
-        rules=ChosenRules(
-            "us-irc-2024", decision="simple", edits=(RuleEdit("riser", "maximum", riser, Limit.of("6", "in"), "why"),)
-        ),
-    )
+    edit = RuleEdit("riser", "maximum", Limit.of("7 3/4", "in"), Limit.of("6", "in"), "why")
+    left = LeftEdits("us-irc-2021", (edit,))
+    session.change("changed", rules=ChosenRules("us-irc-2024", decision="simple", edits=(edit,), left=(left,)))
     session.choose_scan("other.ply")
     other = session.work
     wanted = dataclasses.replace(basis.fields, inspector="J. Alder", instrument_model="X 7")
