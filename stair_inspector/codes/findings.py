@@ -105,6 +105,11 @@ class Finding:
         return "minimum" if self.limit is self.rule.minimum else "maximum"
 
     @property
+    def is_reported_beyond(self) -> bool:
+        """Whether a value that is only reported lies beyond the number of its clause: for people to look at."""
+        return self.verdict is Verdict.REPORTED and self.margin is not None and self.margin < 0.0
+
+    @property
     def is_open(self) -> bool:
         """Whether the rule applies, or may, and nothing is said of it: no pass."""
         return self.applies and self.verdict in (Verdict.NOT_MEASURED, Verdict.NOT_JUDGED)

@@ -424,7 +424,7 @@ def _above(step: Step) -> str:
 
 
 def _why_only_reported(rule: Rule) -> str:
-    if rule.minimum is None and rule.maximum is None:
+    if not rule.has_number:
         return "the clause gives no number"
     return f"applies to {rule.applies}" if rule.applies else "reported without a judgement"
 

@@ -1,7 +1,7 @@
 """Rule sets: what a clause limits, by which statistic, and from which text. Data only; :mod:`judge` applies them."""
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Literal, get_args
 
@@ -237,13 +237,18 @@ class Rule:
         for name, limit in (("minimum", self.minimum), ("maximum", self.maximum)):
             if limit is not None:
                 _check_unit(f"{place}: {name}", self.quantity, limit)
-        if self.minimum is None and self.maximum is None:
+        if not self.has_number:
             if self.severity != "report_only" and self.from_scan != "no":
                 raise ConfigError(f"{place}: has no limit; give a minimum or a maximum, or severity 'report_only'")
         elif self.minimum is not None and self.maximum is not None and self.minimum.exact > self.maximum.exact:
             raise ConfigError(
                 f"{place}: minimum {self.minimum.text} is above maximum {self.maximum.text}; exchange them"
             )
+
+    @property
+    def has_number(self) -> bool:
+        """Whether its clause limits by a number, and does not just ask for something."""
+        return self.minimum is not None or self.maximum is not None
 
     @property
     def limit_text(self) -> str:
@@ -257,13 +262,18 @@ class Rule:
 
 @dataclass(frozen=True, slots=True)
 class RuleEdit:
-    """A limit that a user has changed, with the reason."""
+    """A limit that a user has changed, with the reason.
+
+    ``is_of_reported`` tells that the file has its rule as reported only; it follows from the file, and :func:`edited`
+    writes it.
+    """
 
     rule_id: str
     side: Side
     before: Limit | None
     after: Limit | None
     reason: str
+    is_of_reported: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -361,11 +371,24 @@ class RuleSet:
         """Whether a limit of a rule is another one than that of the file."""
         return any(self.edit_of(rule_id, side) is not None for side in get_args(Side))
 
+    def is_reported_in_file(self, rule_id: str) -> bool:
+        """Whether the file has a rule as reported only, also where a user's limit has made it a judged one.
+
+        Raises
+        ------
+        ConfigError
+            There is no such rule.
+        """
+        rule = self.rule(rule_id)
+        own = [edit for edit in self.edits if edit.rule_id == rule_id]
+        return own[0].is_of_reported if own else rule.severity == "report_only"
+
 
 def edited(rule_set: RuleSet, rule_id: str, side: Side, limit: Limit | None, reason: str) -> RuleSet:
     """Return the rule set with one limit changed and the change recorded.
 
     Changing a limit twice keeps both records, so that the list tells what happened. The same limit again is no edit.
+    A rule that is reported only is judged, as a limit, while it has a limit of the user's: nobody gives one for less.
 
     Parameters
     ----------
@@ -388,9 +411,18 @@ def edited(rule_set: RuleSet, rule_id: str, side: Side, limit: Limit | None, rea
     before = rule.minimum if side == "minimum" else rule.maximum
     if before == limit:
         return rule_set
-    changed = replace(rule, minimum=limit) if side == "minimum" else replace(rule, maximum=limit)
-    rules = tuple(changed if each.rule_id == rule_id else each for each in rule_set.rules)
-    return replace(rule_set, rules=rules, edits=(*rule_set.edits, RuleEdit(rule_id, side, before, limit, reason)))
+    is_of_reported = rule_set.is_reported_in_file(rule_id)
+    after = replace(
+        rule_set, edits=(*rule_set.edits, RuleEdit(rule_id, side, before, limit, reason, is_of_reported=is_of_reported))
+    )
+    severity = rule.severity
+    if is_of_reported:
+        changes = (after.edit_of(rule_id, each) for each in get_args(Side))
+        is_judged = any(change is not None and change.after is not None for change in changes)
+        severity = "limit" if is_judged else "report_only"
+    minimum, maximum = (limit, rule.maximum) if side == "minimum" else (rule.minimum, limit)
+    changed = replace(rule, minimum=minimum, maximum=maximum, severity=severity)
+    return replace(after, rules=tuple(changed if each.rule_id == rule_id else each for each in rule_set.rules))
 
 
 def overlaid(base: RuleSet, overlay: RuleSet) -> RuleSet:

@@ -5,7 +5,7 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 
 from stair_inspector.codes.findings import DECISIONS, Check, Finding, Verdict, gravest
-from stair_inspector.codes.rules import GRADES, OWN_FILE, Limit, Rule, RuleSet
+from stair_inspector.codes.rules import GRADES, OWN_FILE, Limit, Rule, RuleEdit, RuleSet
 from stair_inspector.codes.words import display_of, shown, u_text
 
 _STATISTICS = {
@@ -49,7 +49,7 @@ def verdict_sentence(check: Check) -> str:
         parts.append(f"{near} value{' is' if near == 1 else 's are'} within, but nearer to a limit than U")
     if warned:
         parts.append(f"outside the advice of {_clauses(warned)}")
-    parts += _without_number(check)
+    parts += [*_reported_beyond(check), *_without_number(check)]
     if unsure and all(found.flight is None for found in unsure):
         # One reason, such as no staircase, stands for all rules: no count of values says more.
         reasons = dict.fromkeys(found.reason.partition(": ")[0] for found in unsure)
@@ -69,11 +69,30 @@ def verdict_sentence(check: Check) -> str:
 def _beyond(check: Check, found: Sequence[Finding], how: str) -> Iterable[str]:
     """Say beyond which clauses' limits values are; a limit that the user has set is none that a clause lists."""
     listed = [each for each in found if check.edit_behind(each) is None]
-    own = [each for each in found if check.edit_behind(each) is not None]
+    changed = [(each, edit) for each in found if (edit := check.edit_behind(each)) is not None]
+    replaced = [each for each, edit in changed if edit.before is not None]
+    added = [each for each, edit in changed if edit.before is None]
     if listed:
         yield f"{how} the limits listed in {_clauses(listed)}"
-    if own:
-        yield f"{how} limits set by the user in place of those of {_clauses(own)}"
+    if replaced:
+        yield f"{how} limits set by the user in place of those of {_clauses(replaced)}"
+    for side in dict.fromkeys(each.side for each in added):
+        alike = [each for each in added if each.side == side]
+        yield f"{how} a {side} set by the user, where there is none in {_clauses(alike)}"
+
+
+def _reported_beyond(check: Check) -> Iterable[str]:
+    """Say the value furthest beyond the number of every clause that is reported only: no tick stands for it either."""
+    for rule in check.rule_set.rules:
+        beyond = [found for found in check.of_rule(rule.rule_id) if found.is_reported_beyond]
+        if beyond:
+            found = gravest(tuple(beyond))
+            side = "less than the minimum" if found.side == "minimum" else "more than the maximum"
+            yield (
+                f"{rule.term}: {value_text(found)}, {place_text(found)}, is {side} of {rule.clause}, "
+                f"{limit_words(found.limit)}{f' (for {rule.applies})' if rule.applies else ''}, which is reported only "
+                "and for the inspector to judge"
+            )
 
 
 def _without_number(check: Check) -> Iterable[str]:
@@ -81,12 +100,14 @@ def _without_number(check: Check) -> Iterable[str]:
     told: dict[str, list[str]] = {}
     for rule in check.rule_set.rules:
         values = [found for found in check.of_rule(rule.rule_id) if found.value is not None]
-        if rule.minimum is None and rule.maximum is None and values:
+        if not rule.has_number and values:
             found = max(values, key=lambda each: abs(each.value or 0.0))
             words = f"{rule.term}: {value_text(found)}, {place_text(found)}"
-            told.setdefault(rule.clause, []).append(words)
-    for clause, parts in told.items():
-        yield f"{clause} gives no number for {', nor for '.join(parts)}, which is for the inspector to judge"
+            is_taken = check.rule_set.is_changed(rule.rule_id)
+            lead = "after a change by the user gives" if is_taken else "gives"
+            told.setdefault(f"{rule.clause} {lead}", []).append(words)
+    for lead, parts in told.items():
+        yield f"{lead} no number for {', nor for '.join(parts)}, which is for the inspector to judge"
 
 
 def rule_sets_text(rule_sets: Sequence[RuleSet]) -> str:
@@ -132,6 +153,11 @@ def value_text(found: Finding) -> str:
 def limit_words(limit: Limit | None) -> str:
     """Return a limit for people; ``no limit`` where there is none."""
     return "no limit" if limit is None else limit.text
+
+
+def in_place_of(edit: RuleEdit) -> str:
+    """Return what a limit of the user's stands for: ``in place of 7 in (177.8 mm)``, ``where the code has none``."""
+    return "where the code has none" if edit.before is None else f"in place of {edit.before.text}"
 
 
 def limits_text(rule_set: RuleSet, rule: Rule) -> str:
@@ -213,7 +239,7 @@ def _outside(check: Check) -> Iterable[str]:
             yield (
                 f"{found.rule.term}, {place_text(found)}: {value_text(found)}, outside by "
                 f"{gap_text(found.rule, -found.margin)}{less}; {found.rule.clause}: {side} {found.limit.text}"
-                + ("" if edit is None else f", set by the user in place of {limit_words(edit.before)}")
+                + ("" if edit is None else f", set by the user {in_place_of(edit)}")
                 + (f" (for {found.rule.applies})" if found.rule.applies else "")
                 + (f"; {found.reason}" if found.reason else "")
             )

@@ -80,10 +80,14 @@ class RuleFile:
 
 @dataclass(frozen=True, slots=True)
 class LeftEdits:
-    """Changes of the limits of a set that is not chosen now, oldest first; they come back with it."""
+    """Changes of the limits of a set that is not chosen now, oldest first; they come back with it.
+
+    ``overlay_ids`` are the overlays of which some of the limits are; they come back too.
+    """
 
     set_id: str
     edits: tuple[RuleEdit, ...]
+    overlay_ids: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +121,11 @@ class ChosenRules:
             raise ConfigError(
                 f"rules: decision: got {brief(self.decision)}; give one of {', '.join(get_args(Decision))}"
             )
+        for each in self.left:
+            for overlay_id in each.overlay_ids:
+                check_id("rules: left: overlay", overlay_id)
+            if len(each.overlay_ids) > _MOST_OVERLAYS:
+                raise ConfigError(f"rules: left: {len(each.overlay_ids)} overlays; keep at most {_MOST_OVERLAYS}")
         limits = (("overlay_ids", _MOST_OVERLAYS), ("edits", _MOST_EDITS), ("files", _MOST_FILES), ("left", _MOST_LEFT))
         for name, most in limits:
             if len(getattr(self, name)) > most:
@@ -175,21 +184,27 @@ def is_usable(chosen: ChosenRules) -> bool:
 def with_set(chosen: ChosenRules, set_id: str, overlay_ids: tuple[str, ...] = ()) -> ChosenRules:
     """Return the choice with another full set, or none for an empty id, and these overlays.
 
-    Changed limits stay with the set that is left; those of the new one come back as far as they still fit it.
+    Changed limits stay with the set that is left, and the overlays whose limits they are. Those of the new one come
+    back as far as they still fit it, each with its overlay.
 
     Raises
     ------
     ConfigError
         As :func:`rule_set_of`.
     """
-    left = {each.set_id: each.edits for each in chosen.left}
+    left = {each.set_id: each for each in chosen.left}
     if chosen.set_id and chosen.edits:
-        left[chosen.set_id] = chosen.edits
-    edits = left.pop(set_id, ())
-    others = tuple(LeftEdits(*each) for each in left.items())
-    return with_fitting(
-        dataclasses.replace(chosen, set_id=set_id, overlay_ids=overlay_ids, edits=(), left=others), edits
-    )
+        left[chosen.set_id] = LeftEdits(chosen.set_id, chosen.edits, _edited_overlays(chosen))
+    back = left.pop(set_id, LeftEdits(set_id, ()))
+    bare = dataclasses.replace(chosen, set_id=set_id, overlay_ids=overlay_ids, edits=(), left=tuple(left.values()))
+    own = tuple(each for each in back.overlay_ids if each in known_sets(chosen))
+    missing = tuple(each for each in own if each not in overlay_ids)
+    # The overlays of the changes come back; where they do not go with those that are laid now, in place of them.
+    for laid in ((*overlay_ids, *missing), own) if missing else ():
+        with_overlays = dataclasses.replace(bare, overlay_ids=laid)
+        if is_usable(with_overlays):
+            return with_fitting(with_overlays, back.edits)
+    return with_fitting(bare, back.edits)
 
 
 def with_fitting(chosen: ChosenRules, edits: Iterable[RuleEdit]) -> ChosenRules:
@@ -233,7 +248,7 @@ def with_edit(chosen: ChosenRules, rule_id: str, side: Side, limit: Limit | None
     rule = made.rule(rule_id)
     if limit_of(rule, side) == limit:
         raise ConfigError(f"edit a limit: the {side} of {rule_id} is {limit_words(limit)} already")
-    _check_sides(rule, side, limit)
+    _check_sides(rule, side, limit, is_reported=made.is_reported_in_file(rule_id))
     return dataclasses.replace(chosen, edits=edited(made, rule_id, side, limit, reason).edits)
 
 
@@ -266,9 +281,7 @@ def chosen_to_dict(chosen: ChosenRules) -> dict[str, Any]:
         "files": [{"name": file.name, "text": file.text} for file in chosen.files],
     }
     if chosen.left:
-        values["left"] = [
-            {"set": each.set_id, "edits": [_edit_to_dict(edit) for edit in each.edits]} for each in chosen.left
-        ]
+        values["left"] = [_left_to_dict(each) for each in chosen.left]
     return values
 
 
@@ -317,11 +330,25 @@ def _edited_again(rule_set: RuleSet, edit: RuleEdit) -> RuleSet:
     return edited(rule_set, edit.rule_id, edit.side, edit.after, edit.reason)
 
 
-def _check_sides(rule: Rule, side: Side, limit: Limit | None) -> None:
-    """Raise ConfigError for a limit that does not go with the rule's other one, in words for who changes one limit."""
+def _edited_overlays(chosen: ChosenRules) -> tuple[str, ...]:
+    """Return the overlays of which a limit was changed; one that is not known may be such a one."""
+    known = known_sets(chosen)
+    changed = {edit.rule_id for edit in chosen.edits}
+    return tuple(
+        overlay_id
+        for overlay_id in chosen.overlay_ids
+        if overlay_id not in known or changed & {rule.rule_id for rule in known[overlay_id].rules}
+    )
+
+
+def _check_sides(rule: Rule, side: Side, limit: Limit | None, *, is_reported: bool) -> None:
+    """Raise ConfigError for a limit that does not go with the rule's other one, in words for who changes one limit.
+
+    A rule that the file has as reported only may be without any.
+    """
     other_side: Side = "maximum" if side == "minimum" else "minimum"
     other = limit_of(rule, other_side)
-    if limit is None and other is None and rule.severity != "report_only":
+    if limit is None and other is None and not is_reported:
         raise ConfigError(
             f"edit a limit: {rule.rule_id} would be left without any; give a {side}, or give the {other_side} first"
         )
@@ -334,6 +361,13 @@ def _check_sides(rule: Rule, side: Side, limit: Limit | None) -> None:
             f"edit a limit: a {side} of {limit.text} is {relation} the {other_side} of {rule.rule_id}, {other.text}; "
             f"give another {side}, or change the {other_side} first"
         )
+
+
+def _left_to_dict(left: LeftEdits) -> dict[str, Any]:
+    values: dict[str, Any] = {"set": left.set_id, "edits": [_edit_to_dict(edit) for edit in left.edits]}
+    if left.overlay_ids:
+        values["overlays"] = list(left.overlay_ids)
+    return values
 
 
 def _edit_to_dict(edit: RuleEdit) -> dict[str, Any]:
@@ -368,8 +402,9 @@ def _to_edits(value: object, place: str) -> tuple[RuleEdit, ...]:
 
 
 def _to_left(value: object, place: str) -> LeftEdits:
-    table = _table(value, place, ("set", "edits"))
-    return LeftEdits(table["set"], _to_edits(table["edits"], place))
+    table = _table(value, place, ("set", "edits"), ("overlays",))
+    overlay_ids = tuple(_list(table.get("overlays", []), place, "overlays", _MOST_OVERLAYS))
+    return LeftEdits(table["set"], _to_edits(table["edits"], place), overlay_ids)
 
 
 def _to_edit(value: object, place: str) -> RuleEdit:

@@ -11,16 +11,14 @@ from stair_inspector.codes.rules import UNITS, Condition, Limit, Rule, RuleSet, 
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.toml import check_keys, parse_toml, read_toml_bytes
-from stair_inspector.files.typed import with_plain_fractions
+from stair_inspector.files.typed import split_typed
 from stair_inspector.params import brief
 
 _SET_KEYS = ("id", "name", "edition", "variant", "source", "overlay", "not_assessed", "rules")
 _RULE_KEYS = tuple("id" if item.name == "rule_id" else item.name for item in fields(Rule))
 _OPTIONAL = ("variant", "overlay", "not_assessed", "minimum", "maximum", "applies", "note", "only_where")
-_LIMIT = re.compile(r"(?P<written>[0-9][0-9 ./]*[0-9]|[0-9])\s*(?P<unit>[^\s0-9.,/]*)")
+_LIMIT = re.compile(r"[0-9][0-9 ./]*")
 _COMMA = re.compile(r"(?<=[0-9]),(?=[0-9])")
-_TYPED = str.maketrans({"\N{DOUBLE PRIME}": " in", "”": " in", '"': " in", "\N{PRIME}": " ft", "’": " ft", "'": " ft"})
-"""What keyboards and word processors make of the signs of inches and feet."""
 _MOST_RULES = 1000
 _MOST_BYTES = 300_000
 
@@ -132,29 +130,23 @@ def parse_limit(text: str) -> Limit:
     """
     if not isinstance(text, str):
         raise ConfigError(f"got {brief(text)}; write the limit in quotes with its unit, as '7 3/4 in'")
-    stripped = _plainly_typed(text)
-    if stripped.startswith("1:"):
-        return Limit.of(stripped, "slope")
-    if _COMMA.search(stripped) is not None:
+    number, unit = split_typed(text)
+    if number.startswith("1:") and not unit:
+        return Limit.of(number, "slope")
+    if _COMMA.search(number) is not None:
         raise ConfigError(
             f"got {brief(text)}; write decimals with a point, as '180.5 mm', and thousands without a sign"
         )
-    found = _LIMIT.fullmatch(stripped)
-    if found is None:
+    if _LIMIT.fullmatch(number) is None:
         raise ConfigError(
             f"got {brief(text)}; write the limit with its unit, as '7 3/4 in', '26 cm', '42 deg' or '1:48'"
         )
-    unit = {"": "count", "°": "deg"}.get(found["unit"], found["unit"])
-    if unit == "count" and not found["written"].isdecimal():
-        raise ConfigError(f"got {brief(text)}; add a unit, as '{found['written'][:40]} in' or '180 mm'")
+    unit = unit or "count"
+    if unit == "count" and not number.isdecimal():
+        raise ConfigError(f"got {brief(text)}; add a unit, as '{number[:40]} in' or '180 mm'")
     if unit not in UNITS or unit == "slope":
         check_keys("unit", [unit], [known for known in UNITS if known not in ("slope", "count")], what="unit")
-    return Limit.of(found["written"], unit)
-
-
-def _plainly_typed(text: str) -> str:
-    """Return the words of a limit with fractions and signs of units as a code's table has them: ``7¾"`` as 7 3/4 in."""
-    return " ".join(with_plain_fractions(text).translate(_TYPED).split())
+    return Limit.of(number, unit)
 
 
 def _shipped() -> dict[str, Path]:

@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
-from stair_inspector.codes.rules import Limit, RuleEdit, Side
-from stair_inspector.codes.text import gap_text, limit_words, verdict_sentence
+from stair_inspector.codes.rules import Limit, Side
+from stair_inspector.codes.text import gap_text, in_place_of, limit_words, verdict_sentence
 from stair_inspector.codes.words import display_of
 from stair_inspector.model import Inspection
 from stair_inspector.params import UncertaintyParams
@@ -45,7 +45,8 @@ def verdict_of(check: Check) -> Status:
         return Status("; ".join(["values outside limits, by less than U", *changed]), "close")
     left = [*_left_to_look_at(check), *changed]
     if not verdicts & {Verdict.WITHIN, Verdict.WITHIN_CLOSE}:
-        return Status("; ".join(["nothing could be judged", *left]), "plain")
+        is_beyond = any(found.is_reported_beyond for found in check.findings)
+        return Status("; ".join(["nothing could be judged", *left]), "close" if is_beyond else "plain")
     # A rule that does not apply to a step leaves nothing open.
     is_open = any(found.is_open for found in judged)
     words = "what was measured is within; not all was" if is_open else "measured values within limits"
@@ -60,8 +61,10 @@ def _left_to_look_at(check: Check) -> list[str]:
         left.append(f"{near} nearer to a limit than U")
     if any(found.verdict.is_outside and found.rule.severity == "advisory" for found in check.findings):
         left.append("values outside what is advised")
+    if any(found.is_reported_beyond for found in check.findings):
+        left.append("values beyond a number that is reported only are for the inspector to judge")
     has_value = {found.rule.rule_id for found in check.findings if found.value is not None}
-    without = [rule for rule in check.rule_set.rules if rule.rule_id in has_value and rule.limit_text == "no number"]
+    without = [rule for rule in check.rule_set.rules if rule.rule_id in has_value and not rule.has_number]
     if without:
         spreads = all(rule.statistic in ("flight_range", "adjacent_difference") for rule in without)
         left.append(f"{'uniformity' if spreads else 'what has no number'} is for the inspector to judge")
@@ -83,7 +86,7 @@ def changed_limits_sentence(check: Check) -> str:
             edit = rules.edit_of(rule.rule_id, side)
             if edit is not None:
                 changes.append(
-                    f"{plain(rule.term)}, {side} {limit_words(limit)} {_in_place_of(edit)} ({plain(rule.clause)})"
+                    f"{plain(rule.term)}, {side} {limit_words(limit)} {plain(in_place_of(edit))} ({plain(rule.clause)})"
                 )
     if not changes:
         return ""
@@ -99,10 +102,6 @@ def changed_limits_sentence(check: Check) -> str:
 def code_words(check: Check) -> str:
     """Return what was applied: the set's name, edition and variant, and whether its limits are all its own."""
     return "; ".join([plain(check.rule_set.title), *_changed_words(check)])
-
-
-def _in_place_of(edit: RuleEdit) -> str:
-    return "where the code has none" if edit.before is None else f"in place of {plain(edit.before.text)}"
 
 
 def result_sentence(inspection: Inspection, check: Check | None) -> str:
@@ -142,7 +141,7 @@ def _outside_sentence(check: Check, found: Finding, alike: Sequence[Finding]) ->
     limit = plain(found.limit.text) if found.limit is not None else "no number"
     edit = check.edit_behind(found)
     # A limit that the user has set is listed in no code.
-    origin = "listed in" if edit is None else f"set by the user {_in_place_of(edit)},"
+    origin = "listed in" if edit is None else f"set by the user {plain(in_place_of(edit))},"
     close = ", by less than U" if found.verdict is Verdict.OUTSIDE_CLOSE else ""
     more = f"; of this rule {outside_counts(alike)}, this is the gravest" if len(alike) > 1 else ""
     kind = "advisory limit" if rule.severity == "advisory" else "limit"
@@ -307,13 +306,11 @@ def limitation_sentences(inspection: Inspection, check: Check | None) -> tuple[s
         sentences.append("Only the points in the region of interest were measured; appendix A gives its corners.")
     if check is not None:
         changed = check.rule_set.n_changed
-        but = f", but for {changed} that the user has changed" if changed else ""
+        but = f", but for {changed} that the user has changed and that this report lists" if changed else ""
         sentences.append(
             f"Limits are those of the rule file named above{but}; cities and states amend codes. Whether a limit "
             "applies to this stair is for the inspector to decide."
         )
-        if check.rule_set.is_edited:
-            sentences.append("Limits of the rule set were edited by the user; the edits are listed.")
     return tuple(sentences)
 
 

@@ -1,7 +1,7 @@
 """The present result held against the chosen rules, again at every result: the Checks tab and the marks of steps."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -112,7 +112,9 @@ class Checking:
     def choose_rule(self, option: str) -> None:
         """Write the present limit of a rule into the field, to be changed: of the side that has one."""
         with self._desk.lock:
-            self._rule_named(option)
+            # Rules that cannot be used have no limit to show; a row of theirs is chosen to take its change back.
+            if is_usable(self._editor.work.rules):
+                self._rule_named(option)
             self._show_limit()
 
     def edit(self) -> None:
@@ -298,14 +300,10 @@ class Checking:
             self._desk.notices.tell("Changed limits and overlays", told)
 
     def _change(self, words: str, change: Callable[[ChosenRules], ChosenRules]) -> None:
-        """Change the choice; what cannot be used is refused before it is kept."""
+        """Change the choice; each change refuses by itself what cannot be used."""
 
         def changed(work: Work) -> Changes:
-            rules = change(work.rules)
-            # A choice that could not be used already may be mended step by step.
-            if is_usable(work.rules):
-                rule_set_of(rules)
-            return {"rules": rules}
+            return {"rules": change(work.rules)}
 
         try:
             self._editor.edit(words, changed)
@@ -379,20 +377,30 @@ def _chosen_label(rules: ChosenRules) -> str:
 def _what_became(before: ChosenRules, after: ChosenRules) -> str:
     """Return what became of changed limits and of an overlay with another choice of rules; empty for nothing."""
     words = []
-    is_left = any(each.set_id == before.set_id for each in after.left)
-    if is_left and after.set_id != before.set_id:
+    is_other = after.set_id != before.set_id
+    left = next((each for each in after.left if each.set_id == before.set_id), None) if is_other else None
+    kept = () if left is None else left.overlay_ids
+    if left is not None:
         name = _title_of(before, before.set_id)
-        words.append(f"{name} keeps {_counted(len(before.edits))} for when it is chosen again")
-    if after.edits and after.set_id != before.set_id:
+        under = f", with its overlay {_titles_of(before, kept)}," if kept else ""
+        words.append(f"{name} keeps {_counted(len(left.edits))}{under} for when it is chosen again")
+    if after.edits and is_other:
         words.append(f"in force again: {_counted(len(after.edits))} of {_title_of(after, after.set_id)}")
+    laid = tuple(each for each in after.overlay_ids if each not in before.overlay_ids)
+    if laid and is_other:
+        words.append(f"laid again: the overlay {_titles_of(after, laid)}")
     n_gone = n_edits(before) - n_edits(after)
     if n_gone > 0:
         words.append(f"dropped: {_counted(n_gone)}, of rules that are gone or have another limit now; Ctrl+Z undoes it")
-    if after.set_id and (before.set_id, before.files) != (after.set_id, after.files):
+    if (before.set_id, before.files) != (after.set_id, after.files):
         known = known_sets(after)
-        gone = [known[each].title for each in before.overlay_ids if each in known and each not in after.overlay_ids]
-        words += [f"the overlay {title} is not laid any more" for title in gone]
+        gone = [each for each in before.overlay_ids if each in known and each not in (*after.overlay_ids, *kept)]
+        words += [f"the overlay {known[each].title} is not laid any more" for each in gone]
     return "; ".join(words)
+
+
+def _titles_of(rules: ChosenRules, overlay_ids: Iterable[str]) -> str:
+    return " and ".join(_title_of(rules, overlay_id) for overlay_id in overlay_ids)
 
 
 def _counted(n_limits: int) -> str:

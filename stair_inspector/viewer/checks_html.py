@@ -195,6 +195,8 @@ def _rule_rows(
     rule = worst.rule
     mark = _EDITED if check.rule_set.is_changed(rule.rule_id) else ""
     kind = {"advisory": "advice, no limit", "report_only": "reported only"}.get(rule.severity, "")
+    if not kind and check.rule_set.is_reported_in_file(rule.rule_id):
+        kind = "reported only in the file, judged against the user's limit"
     kind = f' <span style="color:{DIM}">({kind})</span>' if kind else ""
     applies = f'<div style="color:{DIM}">for {text(rule.applies)}</div>' if rule.applies else ""
     hint = f' title="{text(rule.note)}"' if rule.note else ""

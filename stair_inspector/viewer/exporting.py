@@ -173,7 +173,7 @@ class Exporting:
 
     def _camera(self) -> tuple[Pose, float]:
         with self._desk.lock:
-            return self._looking.pose(), float(self._desk.client.camera.fov)
+            return self._looking.camera()
 
     def _view(self, shown: Shown, view: View) -> tuple[str, Pose, float]:
         with self._desk.lock:
@@ -186,7 +186,7 @@ class Exporting:
         camera = self._desk.client.camera
         factor = SIZES.get(self._panel.export.size.value, 1)
         size = size_of(max(camera.image_width, SMALLEST_PIXELS), max(camera.image_height, SMALLEST_PIXELS), factor)
-        with self._looking.lent(), studio(self._desk.client, self._desk.stage, *size) as render:
+        with self._looking.lent(), studio(self._desk, *size) as render:
             yield render
 
     def _finish(self, sitting: "_Sitting", view: str, pixels: Colors, pose: Pose, fov_rad: float) -> bytes:

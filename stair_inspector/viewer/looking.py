@@ -61,6 +61,8 @@ class Looking:
         self._desk = desk
         self._framed: _Framed | None = None
         self.gone_to: tuple[Pose, float] | None = None
+        # While pictures are taken: where the inspector's camera stands, and its angle of view.
+        self._lent_from: tuple[Pose, float] | None = None
         # How the camera stood before the clouds stood side by side, and where it was put then.
         self._apart: tuple[Pose, Floats] | None = None
         self._is_ortho = False
@@ -179,9 +181,9 @@ class Looking:
         if bool(is_ortho) == self._is_ortho:
             return
         # Not that of the look: a section or a kept view may have set another one.
-        before = float(self._desk.client.camera.fov)
+        pose, before = self.camera()
         self._is_ortho = bool(is_ortho)
-        self.go_to(with_fov(self.pose(), before, self.fov_rad), self.fov_rad)
+        self.go_to(with_fov(pose, before, self.fov_rad), self.fov_rad)
 
     @property
     def is_ortho(self) -> bool:
@@ -239,9 +241,19 @@ class Looking:
         )
 
     def pose(self) -> Pose:
-        """Return where the camera stands now."""
+        """Return where the inspector's camera stands now."""
+        return self.camera()[0]
+
+    def camera(self) -> tuple[Pose, float]:
+        """Return where the inspector's camera stands now, and its upright angle of view.
+
+        While it is lent, this is not where a picture is taken but where it goes afterwards.
+        """
+        if self._lent_from is not None:
+            return self._lent_from
         camera = self._desk.client.camera
-        return Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
+        pose = Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
+        return pose, float(camera.fov)
 
     def go_to(self, pose: Pose, fov_rad: float) -> None:
         """Put the camera somewhere."""
@@ -255,16 +267,20 @@ class Looking:
             # Setting the position drags the point looked at along.
             camera.look_at = pose.look_at
         self.gone_to = (pose, fov_rad)
+        if self._lent_from is not None:
+            self._lent_from = self.gone_to
         self._framed = None
 
     @contextlib.contextmanager
     def lent(self) -> Iterator[None]:
         """Lend the camera to who puts it back; where the inspector has sent it meanwhile, it goes afterwards."""
-        before = self.gone_to
+        with self._desk.lock:
+            before, self._lent_from = self.gone_to, self.camera()
         try:
             yield
         finally:
             with self._desk.lock:
+                self._lent_from = None
                 gone_to, framed = self.gone_to, self._framed
                 if gone_to is not None and gone_to is not before and self._desk.shown is not None:
                     self.go_to(*gone_to)
@@ -280,7 +296,7 @@ class Looking:
             self.look(framed.view, is_whole=framed.is_whole)
 
     def _stands_at(self, position: Floats) -> bool:
-        return np.allclose(self._desk.client.camera.position, position, atol=1e-3)
+        return np.allclose(self.pose().position, position, atol=1e-3)
 
     def _follow(self, moved_m: float) -> None:
         """Look at the same spot after the steps have moved aside, or back, by so many metres."""
@@ -291,7 +307,7 @@ class Looking:
         if framed is not None and self._stands_at(framed.position):
             self.look(framed.view, is_whole=framed.is_whole)
             return
-        before, fov_rad = self.pose(), float(self._desk.client.camera.fov)
+        before, fov_rad = self.camera()
         if moved_m < 0.0 and apart is not None and self._stands_at(apart[1]):
             self.go_to(apart[0], fov_rad)
             return

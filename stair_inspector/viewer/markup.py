@@ -2,7 +2,10 @@
 
 import html
 import json
+from collections.abc import Collection
+from dataclasses import dataclass
 
+from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Rgb
 
 DIM = "light-dark(var(--mantine-color-gray-7), var(--mantine-color-dark-1))"
@@ -116,12 +119,47 @@ def list_key(entries: tuple[object, ...]) -> int:
     return hash(entries) & 0xFFFF_FFFF
 
 
-def order_button(order_uuid: str | None, word: str, key: int, number: int, title: str) -> str:
-    """Return the cross of a row, which writes ``word key number`` into a hidden control; nothing without one."""
+def order_button(order_uuid: str | None, word: str, key: int, number: int, title: str, sign: str = "✕") -> str:
+    """Return the button of a row, which writes ``word key number:time`` into a hidden control; nothing without one."""
     if order_uuid is None:
         return ""
     return (
         f'<button type="button" data-order="{word}" title="{text(title)}" aria-label="{text(title)}" '
-        'style="border:0;background:none;cursor:pointer;color:inherit;padding:0 0 0 4px" '
-        f'onclick="{text(pick_script(order_uuid, number, f"{word} {key}"))}">✕</button>'
+        'style="border:0;background:none;cursor:pointer;color:inherit;padding:0 4px" '
+        f'onclick="{text(pick_script(order_uuid, number, f"{word} {key}"))}">{sign}</button>'
     )
+
+
+@dataclass(frozen=True, slots=True)
+class RowOrder:
+    """What the button of a row asks for: a word, and which row, by the key of its list and its number from 1."""
+
+    word: str
+    key: int
+    number: int
+
+    def index_in(self, entries: tuple[object, ...], what: str) -> int:
+        """Return the index of the row in its list, called ``what``.
+
+        Raises
+        ------
+        ConfigError
+            It was meant for another state of the list, as a second click is when the first has deleted its row.
+        """
+        if self.key != list_key(entries) or not 1 <= self.number <= len(entries):
+            raise ConfigError(f"{what}: the list has changed since; choose the row once more")
+        return self.number - 1
+
+
+def read_order(message: object, words: Collection[str]) -> RowOrder:
+    """Return the order that a row's button has written; see :func:`order_button`.
+
+    Raises
+    ------
+    ConfigError
+        It is nothing that a row sends, or its word is none of ``words``.
+    """
+    parts = str(message).partition(":")[0].split(" ")
+    if len(parts) != 3 or parts[0] not in words or not all(part.isdecimal() and len(part) <= 10 for part in parts[1:]):
+        raise ConfigError(f"list: got {str(message)[:40]!r}; choose one of its rows")
+    return RowOrder(parts[0], int(parts[1]), int(parts[2]))

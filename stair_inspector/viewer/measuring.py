@@ -4,7 +4,7 @@ The measurements are :class:`~stair_inspector.files.projects.Measurement` values
 returns another tuple, so that a history can undo it. Wired so: ``ruler.mode`` from a control; on each pick
 ``made = ruler.click(pick.place_m, measurements)``, which is a new measurement or, after the first of two points, None;
 ``stage.show_measurements(drawing_of(measurements, ruler.waiting, ...))`` draws, ``measurements_html`` lists. A row's
-button writes ``delete N:time`` or ``show N:time`` into the hidden control, which ``read_order`` takes apart.
+button writes an order of :data:`ORDERS` into the hidden control; see :func:`~stair_inspector.viewer.markup.read_order`.
 """
 
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from stair_inspector.files.projects import Measurement, Point
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.report.units import NOT_KNOWN, Unit, length_text, tidy
 from stair_inspector.viewer.dimensions import Anchor
-from stair_inspector.viewer.markup import DIM, LINE, pick_script, text
+from stair_inspector.viewer.markup import DIM, LINE, list_key, order_button, text
 
 RulerMode = Literal["Off", "Point", "Distance"]
 Order = Literal["delete", "show"]
@@ -139,21 +139,6 @@ def without(measurements: tuple[Measurement, ...], index: int) -> tuple[Measurem
     return measurements[:index] + measurements[index + 1 :]
 
 
-def read_order(message: object) -> tuple[Order, int]:
-    """Return what a row of a list asks for, and the index of what it is about, from 0.
-
-    Raises
-    ------
-    ConfigError
-        It is nothing that a row sends.
-    """
-    word, _, number = str(message).partition(":")[0].partition(" ")
-    order = next((order for order in ORDERS if order == word), None)
-    if order is None or not number.isdecimal() or len(number) > 6:
-        raise ConfigError(f"list: got {str(message)[:40]!r}; choose one of its rows")
-    return order, int(number) - 1
-
-
 def drawing_of(
     measurements: tuple[Measurement, ...],
     waiting: Point | None,
@@ -244,6 +229,7 @@ def measurements_html(
         for name in ("", "distance", "horizontal", "vertical", "")
     )
     rows = []
+    key = list_key(measurements)
     for number, entry in enumerate(measurements, start=1):
         parts = parts_of(entry, up) if up is not None else None
         if len(entry.points_m) == 1:
@@ -256,7 +242,7 @@ def measurements_html(
                 f'<td style="{cells}">{length_text(value, unit)}</td>'
                 for value in (parts.distance_m, parts.horizontal_m, parts.vertical_m)
             )
-        buttons = order_buttons(order_uuid, number, entry.name)
+        buttons = order_buttons(order_uuid, key, number, entry.name)
         rows.append(
             f'<tr data-testid="measurement-row" data-measurement="{number}" style="border-bottom:1px solid {LINE}">'
             f'<td style="padding:2px 4px;overflow-wrap:anywhere">{text(entry.name)}</td>{values}'
@@ -269,16 +255,11 @@ def measurements_html(
     )
 
 
-def order_buttons(order_uuid: str | None, number: int, name: str) -> str:
-    """Return the buttons of a list's row that show and delete what is named; see :func:`read_order`."""
-    if order_uuid is None:
-        return ""
+def order_buttons(order_uuid: str | None, key: int, number: int, name: str) -> str:
+    """Return the buttons of a list's row that show and delete what is named; nothing without a control."""
     signs: tuple[tuple[Order, str, str], ...] = (("show", "◎", "look at"), ("delete", "✕", "delete"))
     return "".join(
-        f'<button type="button" data-order="{order}" title="{words} {text(name)}" aria-label="{words} {text(name)}" '
-        'style="border:0;background:none;cursor:pointer;color:inherit;padding:0 4px" '
-        f'onclick="{text(pick_script(order_uuid, number, order))}">{sign}</button>'
-        for order, sign, words in signs
+        order_button(order_uuid, order, key, number, f"{words} {name}", sign) for order, sign, words in signs
     )
 
 

@@ -24,11 +24,12 @@ from stair_inspector.report.readings import ON_A_LINE, TapeReading, parse_readin
 from stair_inspector.report.render import RenderedView
 from stair_inspector.report.texts import check_text
 from stair_inspector.report.write import DRAWING_SUFFIXES, SUFFIXES, drawing_bytes, make_report
+from stair_inspector.report.written import split_unit
 from stair_inspector.report.xlsx import xlsx_bytes
 from stair_inspector.viewer.checking import Checking
 from stair_inspector.viewer.desk import Desk, Editor, Shown
 from stair_inspector.viewer.making import Making, Tell
-from stair_inspector.viewer.markup import list_key
+from stair_inspector.viewer.markup import read_order
 from stair_inspector.viewer.panel import Panel
 from stair_inspector.viewer.pictures_html import DELETE_PHOTO, logo_html, photos_html
 from stair_inspector.viewer.readings_html import DELETE, readings_html
@@ -121,12 +122,15 @@ class Reporting:
         quantity = READING_QUANTITIES.get(kind, {}).get(str(folder.quantity.value))
         if quantity is None or not number.isdecimal() or len(number) > 6:
             raise ConfigError("reading: choose the step or flight and the quantity from the menus")
-        unit, written_u = str(folder.unit.value), str(folder.u.value).strip()
-        if not str(folder.value.value).strip():
+        written, written_u = str(folder.value.value).strip(), str(folder.u.value).strip()
+        if not written:
             raise ConfigError("reading: write what was read, such as 170.5 or 6 11/16")
+        # A unit that is written with the reading is that of its U too, unless another one is written with that.
+        _, own_unit = split_unit(written, "reading")
+        unit = own_unit or str(folder.unit.value)
         reading = TapeReading(
             quantity,
-            parse_reading(str(folder.value.value), unit, quantity, "reading"),
+            parse_reading(written, unit, quantity, "reading"),
             step=int(number) if kind == "step" else None,
             flight=int(number) if kind == "flight" else None,
             line=folder.line.value if quantity in ON_A_LINE else "centre",
@@ -149,20 +153,15 @@ class Reporting:
 
     def obey(self, message: str) -> None:
         """Delete the reading or the photograph that a button of its list names."""
-        word, _, named = str(message).partition(":")[0].partition(" ")
-        key, _, number = named.partition(" ")
-        if word not in _LISTS or not (key.isdecimal() and number.isdecimal()) or len(number) > 6:
-            raise ConfigError(f"report: got {str(message)[:40]!r}; choose a row of the list")
-        entries, one = _LISTS[word]
+        order = read_order(message, _LISTS)
+        entries, one = _LISTS[order.word]
 
         def without(basis: ReportBasis) -> dict[str, Any]:
             known = getattr(basis, entries)
-            # A second click was meant for a row that is no longer there.
-            if key != str(list_key(known)) or not 1 <= int(number) <= len(known):
-                raise ConfigError(f"{entries}: the list has changed since; choose the row once more")
-            return {entries: known[: int(number) - 1] + known[int(number) :]}
+            index = order.index_in(known, entries)
+            return {entries: known[:index] + known[index + 1 :]}
 
-        self._change(f"deleted {one} {number}", without)
+        self._change(f"deleted {one} {order.number}", without)
 
     def take_photo(self, file: Any) -> None:
         """Keep an uploaded picture as a photograph of the site, with the caption that was written for it."""

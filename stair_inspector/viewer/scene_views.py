@@ -119,7 +119,7 @@ class SceneViews:
         try:
             with (
                 self._looking.lent(),
-                studio(self._desk.client, self._desk.stage, _WIDTH, _HEIGHT, _TIMEOUT_S) as render,
+                studio(self._desk, _WIDTH, _HEIGHT, _TIMEOUT_S) as render,
             ):
                 for number, (subject, view, share, words) in enumerate(wanted):
                     pixels, legend, scale = self._at_rest(

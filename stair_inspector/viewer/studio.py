@@ -1,7 +1,7 @@
 """Takes pictures with the inspector's own page: the camera goes where the picture is taken, and afterwards back.
 
 The page sizes points and labels for its own camera and window; a picture from elsewhere would have letters as large as
-steps. Wired so, never in an asynchronous callback: ``with studio(client, stage, width, height) as render:`` and then
+steps. Wired so, never in an asynchronous callback: ``with studio(desk, width, height) as render:`` and then
 ``render(pose, fov_rad)`` for each picture, or ``pictures_zip(..., render, ...)`` for all views.
 """
 
@@ -14,7 +14,8 @@ import viser
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Colors
 from stair_inspector.report.pictures.cameras import Pose
-from stair_inspector.viewer.scene import Stage, quaternion
+from stair_inspector.viewer.desk import Desk
+from stair_inspector.viewer.scene import quaternion
 
 _TIMEOUT_S = 60.0
 _FRAMES = 3
@@ -24,7 +25,7 @@ _FENCE = "stair_inspector.fence"
 
 @contextmanager
 def studio(
-    client: viser.ClientHandle, stage: Stage, width: int, height: int, timeout_s: float = _TIMEOUT_S
+    desk: Desk, width: int, height: int, timeout_s: float = _TIMEOUT_S
 ) -> Iterator[Callable[[Pose, float], Colors]]:
     """Lend the page's camera for pictures of a size, and put it back whatever happens.
 
@@ -34,11 +35,13 @@ def studio(
         Of a camera and its upright angle of view, radians; returns the pixels (height, width, 4), transparent where
         nothing is. Raises ConfigError where the page does not deliver, as when it is closed or hidden.
     """
-    camera = client.camera
+    client, stage, camera = desk.client, desk.stage, desk.client.camera
     before = Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
     fov_rad = float(camera.fov)
-    # Points are drawn in pixels of the window: in a larger picture gaps would open between them.
-    stage.magnify(height / max(camera.image_height, 1))
+    # A scan that is shown anew takes the old points away.
+    with desk.lock:
+        # Points are drawn in pixels of the window: in a larger picture gaps would open between them.
+        stage.magnify(height / max(camera.image_height, 1))
 
     def render(pose: Pose, fov: float) -> Colors:
         try:
@@ -64,8 +67,11 @@ def studio(
     try:
         yield render
     finally:
-        stage.magnify(1.0)
-        place_camera(client, before, fov_rad)
+        try:
+            with desk.lock:
+                stage.magnify(1.0)
+        finally:
+            place_camera(client, before, fov_rad)
 
 
 def place_camera(client: viser.ClientHandle, pose: Pose, fov_rad: float) -> None:

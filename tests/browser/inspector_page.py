@@ -340,13 +340,14 @@ class InspectorPage:
             self.hotkey("Shift+R")
         if self.page.get_by_label("Dark theme").is_checked():
             click_at_once(self.page.get_by_label("Dark theme"))
+        # Home frames the steps that are shown: those of other settings would be framed elsewhere.
+        self.await_result(*PRESET)
         if self.is_scene_touched:
             for name in ("Segmented", "Home"):
                 click_at_once(self.by_id("toolbar").get_by_role("button", name=name, exact=True))
                 self.page.wait_for_timeout(THROTTLE_MS)
             self.await_camera(self.home)
             self.is_scene_touched = False
-        self.await_result(*PRESET)
         self.tab("Steps")
         if self.page.get_by_label("Show rejected surfaces").is_checked():
             click_at_once(self.page.get_by_label("Show rejected surfaces"))

@@ -158,7 +158,8 @@ def test_suggested_settings_come_with_reasons_and_find_the_steps(page):
     page.page.wait_for_function(
         "() => document.querySelector('[data-testid=changes]')?.innerText.includes('suggested')"
     )
-    page.await_result()
+    # Not the result of the settings before, which stays until the new one is there.
+    page.await_result(*(" ".join(item.split()[:2]).rstrip("°:") for item in said))
     assert len(page.survey_table()) == 5
 
 

@@ -706,6 +706,72 @@ def test_what_is_asked_for_without_a_number_is_named_with_its_value():
     assert "gives no number" not in verdict_sentence(judged(inspection_of(even()), RISER))
 
 
+def test_of_several_flights_the_largest_value_without_a_number_is_named():
+    osha = find_rule_set("us-osha-1910-25")
+    steps = even(8, u=0.0002, going=0.27, width=0.9)
+    steps = changed(changed(steps, 2, rise_m=measured(0.168, 0.0002)), 6, rise_m=measured(0.18, 0.0002))
+    flights = [flight_of(steps[:4]), flight_of(steps[4:], flight_id=2)]
+    result = check(inspection_of(steps, flights), osha)
+    small, large = result.of_rule("riser-uniformity")
+    assert (small.flight, large.flight) == (1, 2)
+    sentence = verdict_sentence(result)
+    assert f"uniform riser heights between landings: {value_text(large)}, steps " in sentence
+    assert value_text(small) not in sentence
+
+
+def test_a_limit_given_to_a_clause_without_a_number_is_judged_and_is_the_users():
+    """An odd riser may not vanish because the user has written a number for it."""
+    osha = find_rule_set("us-osha-1910-25")
+    steps = changed(even(u=0.0002, going=0.27, width=0.9), 4, rise_m=measured(0.18, 0.0002))
+    own = edited(osha, "riser-uniformity", "maximum", Limit.of("5", "mm"), "the city's")
+    result = check(inspection_of(steps), own)
+    (found,) = result.of_rule("riser-uniformity")
+    assert (found.verdict, result.is_outside) == (Verdict.OUTSIDE, True)
+    sentence = verdict_sentence(result)
+    assert "outside a maximum set by the user, where there is none in 29 CFR 1910.25(b)(3);" in sentence
+    assert "gives no number for uniform riser" not in sentence
+    assert "listed in 29 CFR 1910.25(b)(3)" not in sentence
+    assert "at most 5 mm, set by the user where the code has none" in check_text(result)
+    wide = edited(osha, "riser-uniformity", "maximum", Limit.of("25", "mm"), "the city's")
+    (found,) = check(inspection_of(steps), wide).of_rule("riser-uniformity")
+    assert found.verdict is Verdict.WITHIN
+
+
+def test_a_limit_that_is_added_does_not_stand_in_place_of_the_clauses_other_one():
+    rules = rule_set(GOING)
+    own = edited(rules, "going", "maximum", Limit.of("280", "mm"), "agreed")
+    sentence = verdict_sentence(check(inspection_of(even(going=0.29)), own))
+    assert sentence == (
+        "Outside a maximum set by the user, where there is none in 1.1 (Code, 2024); 1 limit was changed by the user."
+    )
+
+
+def test_a_number_that_the_user_takes_away_is_not_said_to_be_missing_in_the_code():
+    reported = dataclasses.replace(RISER, severity="report_only")
+    own = edited(rule_set(reported), "riser", "maximum", None, "not here")
+    sentence = verdict_sentence(check(inspection_of(even()), own))
+    assert "1.1 after a change by the user gives no number for riser: 165" in sentence
+    assert "1.1 gives no number" not in sentence
+
+
+def test_a_reported_value_beyond_the_number_of_its_clause_is_named():
+    high = inspection_of(even(30, 0.0002, rise=0.17, going=0.29))
+    result = check(high, find_rule_set("us-ibc-2024"))
+    (found,) = result.of_rule("flight-rise")
+    assert (found.verdict, found.is_reported_beyond) == (Verdict.REPORTED, True)
+    sentence = verdict_sentence(result)
+    assert f"{value_text(found)}, flight 1, is more than the maximum of " in sentence
+    assert ", 12 ft (3657.6 mm), which is reported only and for the inspector to judge" in sentence
+    low = check(inspection_of(even(6, 0.0002)), find_rule_set("us-ibc-2024"))
+    assert "reported only" not in verdict_sentence(low)
+    least = dataclasses.replace(GOING, severity="report_only", applies="schools")
+    sentence = verdict_sentence(judged(inspection_of(even(going=0.24, u=0.001)), RISER, least))
+    assert (
+        "riser: 240.0 ± 1.0 mm, step 1, is less than the minimum of 1.1, 250 mm (for schools), which is reported only"
+        in sentence
+    )
+
+
 def test_a_u_that_rounds_to_nothing_is_not_shown_as_nothing():
     inspection = inspection_of(changed(even(rise=0.15), 3, rise_m=measured(0.18, 0.000004)))
     assert "180.00 ± 0.01 mm" in check_text(judged(inspection, RISER))

@@ -192,6 +192,31 @@ def test_what_the_changes_of_a_limit_come_to():
     assert (back.n_changed, back.is_changed("riser"), back.edit_of("riser", "maximum")) == (0, False, None)
 
 
+def test_a_reported_rule_is_judged_while_it_has_a_limit_of_the_users():
+    reported = rule(severity="report_only", minimum=None)
+    first = edited(rule_set(reported), "riser", "maximum", Limit.of("6", "in"), "the client's wish")
+    assert first.rule("riser").severity == "limit"
+    assert first.is_reported_in_file("riser")
+    second = edited(first, "riser", "maximum", None, "no wish at all")
+    assert second.rule("riser") == replace(reported, maximum=None)
+    third = edited(second, "riser", "minimum", Limit.of("3", "in"), "another wish")
+    assert third.rule("riser").severity == "limit"
+    bare = edited(third, "riser", "minimum", None, "none after all")
+    back = edited(bare, "riser", "maximum", reported.maximum, "as it was")
+    assert [each.rule("riser").severity for each in (bare, back)] == ["report_only", "report_only"]
+    assert back.rules == (reported,)
+    # To take one of two limits away gives none.
+    both = rule_set(rule(severity="report_only"))
+    assert edited(both, "riser", "minimum", None, "not here").rule("riser").severity == "report_only"
+
+
+@pytest.mark.parametrize("severity", ["limit", "advisory"])
+def test_another_rule_keeps_its_severity_when_its_limit_is_changed(severity):
+    after = edited(rule_set(rule(severity=severity)), "riser", "maximum", Limit.of("6", "in"), "a wish")
+    assert after.rule("riser").severity == severity
+    assert not after.is_reported_in_file("riser")
+
+
 def test_the_same_limit_again_is_no_edit():
     before = rule_set()
     assert edited(before, "riser", "maximum", Limit.of("7", "in"), "as it was") == before

@@ -33,6 +33,14 @@ def test_the_json_with_a_check_follows_the_schema(validator, rule_set, inspectio
     assert json.loads(json_bytes(inspection))["check"] is None
 
 
+def test_a_reported_rule_that_is_judged_by_a_users_limit_follows_the_schema(validator):
+    own = edited(find_rule_set("us-osha-1910-25"), "riser-uniformity", "maximum", Limit.of("5", "mm"), "agreed")
+    document = json.loads(json_bytes(uneven(), check(uneven(), own)))
+    validator.validate(document)
+    (record,) = [each for each in document["check"]["rules"] if each["id"] == "riser-uniformity"]
+    assert (record["severity"], record["maximum"]["written"]) == ("limit", "5")
+
+
 @pytest.mark.parametrize(
     ("place", "value"),
     [

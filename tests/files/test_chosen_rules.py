@@ -1,7 +1,9 @@
 """Which rules are chosen: sets, overlays, own files and changed limits, and what is wrong with a choice."""
 
 import dataclasses
+import json
 
+import jsonschema
 import pytest
 
 from stair_inspector.codes import Limit, RuleEdit
@@ -65,6 +67,17 @@ def test_a_changed_limit_is_kept_with_its_reason_and_can_be_taken_back():
     assert limit_of(rule_set_of(kept).rule("riser"), "maximum") == Limit.of("7", "in")
 
 
+def test_a_limit_given_to_a_reported_rule_can_be_taken_away_again():
+    osha = ChosenRules("us-osha-1910-25")
+    given = with_edit(osha, "riser-uniformity", "maximum", Limit.of("5", "mm"), "the city's")
+    # As a project has it: the file of the set says what the rule is, not the project.
+    again = chosen_from_dict(chosen_to_dict(given))
+    assert again == given
+    assert rule_set_of(again).rule("riser-uniformity").severity == "limit"
+    taken = with_edit(again, "riser-uniformity", "maximum", None, "not agreed")
+    assert rule_set_of(taken).rules == find_rule_set("us-osha-1910-25").rules
+
+
 def test_a_limit_changed_twice_tells_both_changes_and_comes_back_in_one():
     twice = with_edit(with_edit(IBC, "riser", "maximum", MM_180, "a"), "riser", "maximum", Limit.of("8", "in"), "b")
     assert [edit.before for edit in twice.edits] == [Limit.of("7", "in"), MM_180]
@@ -80,6 +93,63 @@ def test_changed_limits_stay_with_their_set_and_come_back_with_it():
     assert with_set(with_set(both, ""), "us-irc-2024") == both
     assert with_set(both, "us-irc-2024") == both
     assert chosen_from_dict(chosen_to_dict(both)) == both
+
+
+NFPA = find_rule_set("us-nfpa-101-uniformity")
+LAID = with_edit(
+    dataclasses.replace(EDITED, overlay_ids=(NFPA.set_id,)), NFPA.rules[0].rule_id, "maximum", Limit.of("4", "mm"), "x"
+)
+
+
+@pytest.mark.parametrize("other", ["", "us-irc-2024"])
+def test_changed_limits_of_an_overlay_come_back_with_the_set_and_the_overlay(other):
+    away = with_set(LAID, other)
+    assert away.left == (LeftEdits(IBC.set_id, LAID.edits, (NFPA.set_id,)),)
+    assert chosen_from_dict(chosen_to_dict(away)) == away
+    assert with_set(away, IBC.set_id) == LAID
+    assert with_set(away, IBC.set_id, (NFPA.set_id,)) == LAID
+
+
+def test_an_overlay_none_of_whose_limits_was_changed_does_not_come_back_by_itself():
+    away = with_set(dataclasses.replace(EDITED, overlay_ids=(NFPA.set_id,)), "")
+    assert away.left == (LeftEdits(IBC.set_id, EDITED.edits),)
+    assert with_set(away, IBC.set_id) == EDITED
+
+
+def test_left_changes_with_their_overlay_follow_the_schema_of_a_project():
+    schema = json.loads((static_configs() / "schemas" / "project-1.schema.json").read_text(encoding="utf-8"))
+    validator = jsonschema.Draft202012Validator({"$defs": schema["$defs"], **schema["properties"]["rules"]})
+    values = chosen_to_dict(with_set(LAID, ""))
+    assert values["left"][0]["overlays"] == [NFPA.set_id]
+    validator.validate(values)
+    values["left"][0]["overlays"] = NFPA.set_id
+    assert not validator.is_valid(values)
+
+
+def own_overlay(set_id):
+    text = (static_configs() / "codes" / f"{NFPA.set_id}.toml").read_text("utf-8")
+    return RuleFile.of(f"{set_id}.toml", text.replace(NFPA.set_id, set_id, 1).encode())
+
+
+def test_an_overlay_that_comes_back_takes_the_place_of_one_with_the_same_rules():
+    files = (own_overlay("my-overlay"),)
+    away = dataclasses.replace(with_set(LAID, "us-irc-2024"), overlay_ids=("my-overlay",), files=files)
+    assert with_set(away, IBC.set_id, away.overlay_ids) == dataclasses.replace(LAID, files=files)
+
+
+def test_of_an_overlay_that_is_gone_the_changes_are_dropped_and_the_others_kept():
+    files = (own_overlay("my-overlay"),)
+    mine = dataclasses.replace(LAID, overlay_ids=("my-overlay",), files=files)
+    away = with_set(mine, "")
+    assert with_set(away, IBC.set_id) == mine
+    assert with_set(dataclasses.replace(away, files=()), IBC.set_id) == EDITED
+
+
+def test_left_changes_of_before_overlays_were_kept_can_be_read():
+    values = chosen_to_dict(with_set(LAID, ""))
+    del values["left"][0]["overlays"]
+    assert chosen_from_dict(values).left == (LeftEdits(IBC.set_id, LAID.edits),)
+    assert "overlays" not in chosen_to_dict(with_set(EDITED, ""))["left"][0]
 
 
 def test_a_project_without_left_changes_is_written_as_ever():
@@ -168,6 +238,18 @@ def test_an_own_files_hash_is_that_of_its_bytes(tmp_path, mark):
         (
             lambda: ChosenRules("us-ibc-2021", left=(LeftEdits("us-ibc-2021", EDITED.edits),)),
             "rules: left: the changes of us-ibc-2021 are none, too many, or there already; remove them",
+        ),
+        (
+            lambda: ChosenRules(left=(LeftEdits("us-irc-2024", EDITED.edits), LeftEdits("us-irc-2024", EDITED.edits))),
+            "rules: left: the changes of us-irc-2024 are none, too many, or there already; remove them",
+        ),
+        (
+            lambda: ChosenRules(left=(LeftEdits("us-irc-2024", EDITED.edits, ("../x",)),)),
+            "rules: left: overlay '../x': give up to 80 small",
+        ),
+        (
+            lambda: ChosenRules(left=(LeftEdits("us-irc-2024", EDITED.edits, ("x",) * 21),)),
+            "rules: left: 21 overlays; keep at most 20",
         ),
         (lambda: ChosenRules(left=(LeftEdits("us-ibc-2021", ()),)), "rules: left: the changes of us-ibc-2021 are none"),
         (lambda: ChosenRules(left=(LeftEdits("../x", EDITED.edits),)), "rules: left: set '../x': give up to 80 small"),

@@ -110,6 +110,11 @@ def test_everything_in_a_file_reaches_the_rules():
         ("7 3/4 ”", "7 3/4", "in"),
         ("12'", "12", "ft"),
         ("12′", "12", "ft"),
+        # As a reading may be written.
+        ("6 11/16''", "6 11/16", "in"),
+        ("7 IN", "7", "in"),
+        ("7 inches", "7", "in"),
+        ("７ in", "7", "in"),
     ],
 )
 def test_limits_are_read_with_their_units(text, written, unit):
@@ -134,7 +139,7 @@ def test_a_byte_order_of_lines_does_not_matter_but_the_hash_is_that_of_the_bytes
         ('grade = "P"\n', "", "mine.toml: rule 1 ('riser'): grade is missing; add it"),
         ('id = "riser"\n', "", "mine.toml: rule 1: id is missing; add it"),
         ('"rise"', '"rice"', "mine.toml: rule 1 ('riser'): rule riser: quantity: got 'rice'; give one of rise, going"),
-        ('"7 3/4 in"', '"7 3/4 inch"', "maximum: unit: unknown unit 'inch'; did you mean 'in'?"),
+        ('"7 3/4 in"', '"7 3/4 inn"', "maximum: unit: unknown unit 'inn'; did you mean 'in'?"),
         ('"7 3/4 in"', '"7 3/4 furlong"', "maximum: unit: unknown unit 'furlong'; known are %, cm, deg, ft, in, m, mm"),
         ('"7 3/4 in"', "7.75", "maximum: got 7.75; write the limit in quotes with its unit, as '7 3/4 in'"),
         ('"7 3/4 in"', "nan", "maximum: got nan; write the limit in quotes with its unit"),

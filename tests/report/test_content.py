@@ -16,7 +16,9 @@ from stair_inspector.report.document import Facts, Figure, KeyFigures, Paragraph
 from stair_inspector.report.fields import Checklist, ReportBasis, ReportFields
 from stair_inspector.report.images import Photo
 from stair_inspector.report.note_words import note_words
+from stair_inspector.report.rule_tables import by_step_table, results_table
 from stair_inspector.report.wording import (
+    changed_limits_sentence,
     limitation_sentences,
     outside_sentences,
     result_sentence,
@@ -118,7 +120,13 @@ def test_an_edited_rule_set_says_so():
     made = plain_document(scanned()[1], check(scanned()[1], rules))
     assert facts_of(made)["Edited by the user"] == "yes"
     assert table_of(made, "edits").rows[0][-1] == "approved by the city"
-    assert "Limits of the rule set were edited by the user" in text_of(made)
+    said = [
+        sentence for sentence in limitation_sentences(scanned()[1], check(scanned()[1], rules)) if "user" in sentence
+    ]
+    assert len(said) == 1
+    assert said[0].startswith(
+        "Limits are those of the rule file named above, but for 1 that the user has changed and that this report lists;"
+    )
     plain_one = document()
     assert facts_of(plain_one)["Edited by the user"] == "no"
     own = dataclasses.replace(find_rule_set("us-ibc-2021"), is_shipped=False)
@@ -460,6 +468,60 @@ def test_what_a_clause_asks_for_without_a_number_keeps_the_result_from_being_goo
     )
 
 
+def test_a_limit_given_to_a_clause_without_a_number_is_judged_on_the_first_page():
+    rules = find_rule_set("us-osha-1910-25")
+    for rule_id in ("riser-uniformity", "tread-uniformity"):
+        rules = edited(rules, rule_id, "maximum", Limit.of("5", "mm"), "the city's")
+    found = check(scanned("defective_step")[1], rules)
+    assert verdict_of(found) == Status("values outside limits; 2 limits changed by the user", "bad")
+    sentence = next(each for each in outside_sentences(found) if "riser" in each)
+    assert "outside the limit 5 mm set by the user where the code has none, " in sentence
+    assert "listed" not in sentence
+
+
+def test_a_reported_value_beyond_the_number_of_its_clause_keeps_the_result_from_being_good():
+    """Thirty risers without a landing, where the code has one every 12 ft."""
+    high = inspection_of(even(30, 0.0002, rise=0.17, going=0.29))
+    found = check(high, find_rule_set("us-ibc-2024"))
+    assert verdict_of(found) == Status(
+        "measured values within limits; values beyond a number that is reported only are for the inspector to judge",
+        "close",
+    )
+    words = front_text(plain_document(high, found))
+    assert "5100.0 ± " in words
+    assert "12 ft (3657.6 mm), which is reported only and for the inspector to judge" in words
+    low = check(inspection_of(even(6, 0.0002, rise=0.17, going=0.29)), find_rule_set("us-ibc-2024"))
+    assert verdict_of(low) == Status("measured values within limits", "good")
+    # Also where nothing else is judged.
+    alone = dataclasses.replace(found.rule_set, rules=(found.rule_set.rule("flight-rise"),))
+    assert verdict_of(check(high, alone)).tone == "close"
+
+
+def test_the_mark_of_an_edited_limit_is_explained_where_it_stands():
+    found = with_a_changed_riser("180", "mm")
+    tables = {table.key: table.note for table in (results_table(found), by_step_table(scanned()[1], found))}
+    assert set(tables) == {"rules", "by_step"}
+    for note in tables.values():
+        assert note.endswith(
+            "(edited): changed by the user, and not a limit of the clause; 'Limits edited by the user' has both."
+        )
+    assert "(edited)" not in results_table(checked()).note
+
+
+def test_of_many_changed_limits_the_first_page_names_some_and_counts_the_others():
+    rules = find_rule_set("us-ibc-2024")
+    sized = [rule for rule in rules.rules if rule.maximum is not None and rule.maximum.unit == "in"]
+    sides = [(rule, "maximum") for rule in sized]
+    sides += [(rule, "minimum") for rule in rules.rules if rule.minimum is not None and rule.minimum.unit == "in"]
+    assert len(sides) >= 6
+    for rule, side in sides[:6]:
+        size = float(getattr(rule, side).exact) * 1000.0
+        rules = edited(rules, rule.rule_id, side, Limit.of(f"{size * 1.01:.3f}", "mm"), "agreed")
+    sentence = changed_limits_sentence(check(inspection_of(even(6)), rules))
+    assert sentence.count(" in place of ") == 4
+    assert "; and 2 more. The reasons stand under" in sentence
+
+
 def test_values_nearer_to_a_limit_than_u_keep_the_result_from_being_good():
     close = inspection_of(even(6, width=1.3, rise=measured(0.1776, 0.0005)))
     found = check(close, find_rule_set("us-ibc-2021"))
@@ -525,6 +587,8 @@ def test_a_limit_changed_until_all_is_within_is_told_on_the_first_page():
     assert "but for 1 that the user has changed" in text_of(made)
     back = edited(rules, "riser", "maximum", Limit.of("7", "in"), "after all")
     assert "changed" not in verdict_of(check(steps, back)).words
+    # What is as in the file is no limitation of the report.
+    assert not any("user" in sentence for sentence in limitation_sentences(steps, check(steps, back)))
 
 
 def test_notes_of_the_check_are_without_the_words_of_the_command_line():

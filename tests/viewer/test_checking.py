@@ -163,11 +163,26 @@ def test_a_limit_that_cannot_be_is_refused_in_words_for_the_page(session, rule_i
     assert session.work.rules.edits == ()
 
 
-def test_fractions_and_signs_of_inches_are_read_as_typed(session, tab):
+@pytest.mark.parametrize("typed", ["7¾″", "7 3/4''", "7 3/4 IN", "7 3/4 inches"])
+def test_fractions_and_signs_of_inches_are_read_as_typed(session, tab, typed):
     choose(session, IBC)
     pick_rule(session, "riser")
-    change_limit(session, "7¾″")
+    change_limit(session, typed)
     assert tab.limit.value == "7 3/4 in"
+
+
+def test_a_limit_added_to_a_reported_rule_is_judged_and_goes_again(session, checking, tab):
+    choose(session, "us-osha-1910-25")
+    pick_rule(session, "riser-uniformity")
+    tab.side.value = MAXIMUM
+    checking.choose_rule(tab.rule.value)
+    assert tab._change.label == "Add a maximum: there is none"
+    change_limit(session, "0.001 mm")
+    assert "values outside limits" in words_of(tab.summary)
+    assert "set by the user, where there is none in 29 CFR 1910.25(b)(3)" in words_of(tab.summary)
+    change_limit(session, "")
+    assert "values outside limits" not in words_of(tab.summary)
+    assert checking.check.rule_set.rules == find_rule_set("us-osha-1910-25").rules
 
 
 # --- changed limits stay with their set ------------------------------------------------------------------------------
@@ -232,6 +247,39 @@ def test_an_overlays_changed_limits_go_with_it_and_it_is_said(page, session, che
     await_told(page, "dropped: 1 changed limit")
 
 
+@pytest.mark.parametrize("other", ["", IRC])
+def test_an_overlay_with_a_changed_limit_comes_back_with_its_set_and_it_is_said(page, session, checking, other):
+    choose(session, IBC)
+    checking.choose_overlay(label_of(session, NFPA))
+    pick_rule(session, find_rule_set(NFPA).rules[0].rule_id)
+    change_limit(session, "4 mm")
+    before = session.work.rules
+    base, overlay = find_rule_set(IBC).title, find_rule_set(NFPA).title
+    choose(session, other)
+    kept = f"{base} keeps 1 changed limit, with its overlay {overlay}, for when it is chosen again"
+    await_told(page, kept)
+    if other:
+        checking.choose_overlay(NO_OVERLAY)
+    choose(session, IBC)
+    assert session.work.rules == before
+    await_told(page, f"in force again: 1 changed limit of {base}; laid again: the overlay {overlay}")
+    assert not any("dropped" in told or "not laid" in told for told in page.told())
+
+
+def test_an_overlay_that_goes_with_no_rules_or_a_forgotten_set_is_told(page, session, checking):
+    choose(session, IBC)
+    checking.choose_overlay(label_of(session, NFPA))
+    choose(session, "")
+    await_told(page, f"the overlay {find_rule_set(NFPA).title} is not laid any more")
+    checking.take_file(upload("mine.toml", OWN))
+    checking.take_file(upload("overlay.toml", OWN_OVERLAY.replace("NFPA 101", "A rule of ours")))
+    title = checking.check.rule_set.overlays[0].partition(" (my-overlay")[0]
+    assert "A rule of ours" in title
+    checking.forget_file()
+    assert session.work.rules.overlay_ids == ()
+    await_told(page, f"the overlay {title} is not laid any more")
+
+
 # --- rules that cannot be used ---------------------------------------------------------------------------------------
 
 
@@ -256,6 +304,9 @@ def test_changes_that_cannot_be_used_are_shown_and_taken_back_one_by_one(session
     for rule_id in ("riser-uniformity", "tread-uniformity"):
         pick_by_id = next(label for label in tab.rule.options if label.startswith(f"{rule_id}:"))
         tab.rule.value = pick_by_id
+        # To choose the row is no mistake.
+        checking.choose_rule(pick_by_id)
+        assert (tab.rule.value, tab.limit.value) == (pick_by_id, "")
         checking.revert()
     assert session.work.rules.edits == (good,)
     assert checking.checked().rule_set == rule_set_of(ChosenRules(IBC, edits=(good,)))

@@ -125,6 +125,20 @@ def test_only_the_rule_whose_limit_is_changed_is_called_edited():
     # By step and in the marks too: the code lists no such limit.
     assert "at most 180 mm, outside by 10.00 mm ✎ edited" in Page(steps_html(DEFECTIVE, found, None, None)).words
     assert "(limit 180 mm, changed by the user, 1011.5.2)" in marks_of(DEFECTIVE, found)[3].words
+    spread = next(
+        row for row in Page(steps_html(DEFECTIVE, found, None, None)).rows if "at most 3/8 in" in " ".join(row)
+    )
+    assert " ".join(spread).count("✎ edited") == " ".join(spread).count("at most 180 mm")
+
+
+def test_a_reported_rule_with_a_limit_of_the_users_says_so():
+    osha = find_rule_set("us-osha-1910-25")
+    words, _ = row_of(rules_html(check(DEFECTIVE, osha), None, None), "riser-uniformity")
+    assert "(reported only)" in words
+    own = edited(osha, "riser-uniformity", "maximum", Limit.of("5", "mm"), "agreed")
+    words, row = row_of(rules_html(check(DEFECTIVE, own), None, None), "riser-uniformity")
+    assert row["data-verdict"] == "outside"
+    assert "(reported only in the file, judged against the user's limit) ✎ edited" in words
 
 
 def test_values_nearer_to_a_limit_than_u_are_close_in_words():

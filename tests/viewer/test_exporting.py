@@ -35,7 +35,7 @@ def camera(monkeypatch):
             self.sizes, self.meanwhile = [], lambda: None
 
         @contextlib.contextmanager
-        def studio(self, client, stage, width, height):
+        def studio(self, desk, width, height):
             def render(pose, fov_rad):
                 self.sizes.append((width, height))
                 self.meanwhile()

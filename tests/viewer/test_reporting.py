@@ -60,6 +60,47 @@ def test_a_reading_counts_in_the_unit_that_is_written_with_it(page):
 
 
 @pytest.mark.parametrize(
+    ("menu", "written", "u", "value_mm", "u_mm"),
+    [
+        ("mm", "6 3/4 in", "1/16", 171.45, 1.5875),
+        ("in", "170.5 mm", "1", 170.5, 1.0),
+        ("in", "170.5 mm", "1/16 in", 170.5, 1.5875),
+        ("in", "170.5 mm", '1/16"', 170.5, 1.5875),
+        ("in", "6 3/4", "1 mm", 171.45, 1.0),
+        ("in", "6 3/4", "1/16", 171.45, 1.5875),
+    ],
+)
+def test_u_is_in_the_unit_of_its_reading_unless_it_has_one_of_its_own(page, menu, written, u, value_mm, u_mm):
+    choose(page, page.session.panel.export.report.unit, menu)
+    add(page, "step 2", RISE, written, u)
+    (reading,) = readings(page)
+    assert 1000.0 * reading.value == pytest.approx(value_mm, rel=1e-9)
+    assert 1000.0 * reading.u == pytest.approx(u_mm, rel=1e-9)
+
+
+def test_u_of_a_slope_that_is_written_in_degrees_is_in_degrees(page):
+    folder = page.session.panel.export.report
+    choose(page, folder.place, "step 2")
+    choose(page, folder.quantity, FALL)
+    choose(page, folder.unit, "%")
+    add(page, "step 2", FALL, "1.2°", "0.1")
+    (reading,) = readings(page)
+    assert (reading.value, reading.u) == pytest.approx((1.2, 0.1))
+
+
+def test_the_place_of_a_reading_is_that_of_its_tread_in_the_scans_own_frame(page, monkeypatch):
+    desk = page.session.desk
+    inspection, origin = desk.inspection, (455123.0, 5412345.0, 310.0)
+    on_a_map = dataclasses.replace(inspection, scan=dataclasses.replace(inspection.scan, origin_m=origin))
+    monkeypatch.setattr(desk, "shown", dataclasses.replace(desk.shown, inspection=on_a_map))
+    add(page, "step 2", RISE, "171", "1")
+    (reading,) = readings(page)
+    assert reading.at == pytest.approx(inspection.steps[1].plane.centroid + np.array(origin), abs=1e-6)
+    (row,) = readings_table(on_a_map, page.session.work.basis).rows
+    assert row[0] == "step 2"
+
+
+@pytest.mark.parametrize(
     ("written", "words"),
     [
         ("-170", "reading: got -170 mm; give a number above 0"),
@@ -118,7 +159,7 @@ def test_a_second_click_on_a_cross_deletes_nothing_else(page):
 def test_a_hostile_order_is_a_sentence(page, message):
     add(page, "step 2", RISE, "171")
     for order in (message, f"delete {list_key(readings(page))}", f"delete {list_key(readings(page))} x"):
-        with pytest.raises(ConfigError, match=r"^(report|readings): "):
+        with pytest.raises(ConfigError, match=r"^(list|readings): "):
             page.session.reporting.obey(order)
     assert len(readings(page)) == 1
 

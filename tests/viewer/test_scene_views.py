@@ -38,8 +38,8 @@ def working(session, monkeypatch, act, at=(2,)):
     seen = []
 
     @contextlib.contextmanager
-    def studio(client, stage, width, height, timeout_s):
-        camera = client.camera
+    def studio(desk, width, height, timeout_s):
+        client, stage, camera = desk.client, desk.stage, desk.client.camera
         stood = Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
         stage.magnify(2.0)
 

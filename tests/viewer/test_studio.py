@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import viser
 from stair_inspector.errors import ConfigError
 from stair_inspector.report.pictures.cameras import FOV_RAD, VIEWS, Pose, frame_view
 from stair_inspector.report.pictures.segmentation import view_from_local
+from stair_inspector.viewer.desk import Desk
 from stair_inspector.viewer.scene import Stage
 from stair_inspector.viewer.studio import camera_wxyz, studio
 from tests.viewer.surveyed import surveyed
@@ -75,10 +77,14 @@ def stage(server):
     stage.clear()
 
 
+def desk_of(page, stage):
+    return Desk(page, notices=None, palettes=(), stage=stage)
+
+
 def test_the_camera_stands_where_the_picture_is_taken_and_goes_back(stage):
     page = Page(stage.client.scene)
     before = page.camera.state()
-    with studio(page, stage, WIDTH, HEIGHT) as render:
+    with studio(desk_of(page, stage), WIDTH, HEIGHT) as render:
         assert render(POSE, FOV_RAD).shape == (HEIGHT, WIDTH, 4)
         # The window is half as tall: in the picture points need twice the pixels.
         assert stage._nodes["/stair/raw"].point_size == pytest.approx(0.02)
@@ -94,17 +100,52 @@ def test_the_camera_stands_where_the_picture_is_taken_and_goes_back(stage):
 
 
 def test_a_size_that_is_chosen_while_the_camera_is_lent_stays_chosen(stage):
-    with studio(Page(stage.client.scene), stage, WIDTH, HEIGHT):
+    with studio(desk_of(Page(stage.client.scene), stage), WIDTH, HEIGHT):
         stage.set_point_size(0.03)
         assert stage._nodes["/stair/raw"].point_size == pytest.approx(0.06)
     assert stage._nodes["/stair/raw"].point_size == pytest.approx(0.03)
+
+
+def test_points_are_sized_while_nobody_else_draws(stage, monkeypatch):
+    desk, sized = desk_of(Page(stage.client.scene), stage), []
+
+    def magnify(factor):
+        sized.append((factor, is_held(desk.lock)))
+
+    monkeypatch.setattr(stage, "magnify", magnify)
+    with studio(desk, WIDTH, HEIGHT):
+        assert not is_held(desk.lock)
+    assert sized == [(2.0, True), (1.0, True)]
+
+
+def is_held(lock):
+    """Whether another thread would have to wait."""
+    with ThreadPoolExecutor(1) as other:
+        return not other.submit(lambda: lock.acquire(blocking=False) and (lock.release() or True)).result()
+
+
+def test_the_camera_goes_back_also_where_the_points_have_gone(stage, monkeypatch):
+    page = Page(stage.client.scene)
+    before = page.camera.state()
+
+    def magnify(factor):
+        if factor == 1.0:
+            raise RuntimeError("a removed handle")
+
+    monkeypatch.setattr(stage, "magnify", magnify)
+    with pytest.raises(RuntimeError, match="removed"), studio(desk_of(page, stage), WIDTH, HEIGHT) as render:
+        render(POSE, FOV_RAD)
+    assert page.camera.state() == pytest.approx(before)
 
 
 @pytest.mark.parametrize("failure", [TimeoutError("late"), RuntimeError("gone")])
 def test_a_page_that_does_not_deliver_is_a_sentence_and_gets_its_camera_back(stage, failure):
     page = Page(stage.client.scene, failure)
     before = page.camera.state()
-    with pytest.raises(ConfigError, match="bring it to the front"), studio(page, stage, WIDTH, HEIGHT) as render:
+    with (
+        pytest.raises(ConfigError, match="bring it to the front"),
+        studio(desk_of(page, stage), WIDTH, HEIGHT) as render,
+    ):
         render(POSE, FOV_RAD)
     assert page.camera.state() == pytest.approx(before)
     assert stage._nodes["/stair/raw"].point_size == pytest.approx(0.01)

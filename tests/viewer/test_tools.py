@@ -7,6 +7,7 @@ import pytest
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.params import parse_region
+from stair_inspector.viewer.markup import list_key
 from tests.viewer.wire_page import _CAMERA, OTHER, await_that
 
 AROUND = np.array([[-0.01], [0.01]])
@@ -24,6 +25,11 @@ def click(session, row):
     x, y, z = stage.rotation @ display.points[row]
     event = SimpleNamespace(ray_origin=(x, y, z + 0.05), ray_direction=(0.0, 0.0, -1.0))
     session.toolbar.measure._on_click(event)
+
+
+def order_of(entries, word, number):
+    """What the button of a row writes, but for the time."""
+    return f"{word} {list_key(entries)} {number}:"
 
 
 def whole_scan(session):
@@ -145,7 +151,7 @@ def test_a_kept_view_gets_a_name_of_its_own_and_can_be_gone_to_again_and_again(s
     first = np.array(camera.position)
     views.set_view("Top")
     views.keep()
-    views.obey("delete 1:1")
+    views.obey(order_of(session.work.views, "delete", 1))
     views.keep()
     assert [view.name for view in session.work.views] == ["View 2", "View 1"]
     views._name.value = "View 2"
@@ -154,11 +160,39 @@ def test_a_kept_view_gets_a_name_of_its_own_and_can_be_gone_to_again_and_again(s
     assert len(session.work.views) == 2
     for time in range(2):
         views.set_view("Home")
-        views.obey(f"show 1:{time}")
+        views.obey(f"{order_of(session.work.views, 'show', 1)}{time}")
         assert np.linalg.norm(camera.position - first) > 0.5
         assert camera.look_at[2] < camera.position[2]
-    with pytest.raises(ConfigError, match="there are 2"):
-        views.obey("show 3:1")
+    with pytest.raises(ConfigError, match="kept views: the list has changed since"):
+        views.obey(order_of(session.work.views, "show", 3))
+
+
+def test_a_second_click_on_a_cross_deletes_no_other_view(session):
+    views = session.toolbar.views
+    for _ in range(3):
+        views.keep()
+    first, twice = order_of(session.work.views, "delete", 1), order_of(session.work.views, "delete", 1) + "7"
+    assert first in views._list.content
+    views.obey(first)
+    with pytest.raises(ConfigError, match="kept views: the list has changed since; choose the row once more"):
+        views.obey(twice)
+    assert [view.name for view in session.work.views] == ["View 2", "View 3"]
+    views.obey(order_of(session.work.views, "delete", 2))
+    assert [view.name for view in session.work.views] == ["View 2"]
+
+
+def test_a_second_click_on_a_cross_deletes_no_other_measurement(session):
+    measure = session.toolbar.measure
+    measure.set_mode("Point")
+    for row in (10, 400, 800):
+        click(session, row)
+    order = order_of(session.work.measurements, "delete", 1)
+    assert order in measure._list.content
+    measure.obey(order)
+    for late in (order, order.replace("delete", "show")):
+        with pytest.raises(ConfigError, match="measurements: the list has changed since; choose the row once more"):
+            measure.obey(f"{late}7")
+    assert [entry.name for entry in session.work.measurements] == ["Point 2", "Point 3"]
 
 
 def test_a_name_of_a_view_is_used_once(session):

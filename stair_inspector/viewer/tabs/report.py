@@ -148,7 +148,9 @@ class ReportFolder:
         self.unit: Any = gui.add_dropdown(
             "Unit", LENGTH_UNITS, initial_value="mm", hint="Where none is written. % is that of a slope."
         )
-        self.u: Any = gui.add_text("Its U", "", hint="Expanded, k = 2, in the same unit; empty where it is not known.")
+        self.u: Any = gui.add_text(
+            "Its U", "", hint="Expanded, k = 2, in the unit of the reading; empty where it is not known."
+        )
         self.line: Any = gui.add_dropdown(
             "On the line", get_args(Line), initial_value="centre", hint="Of a rise or going, as seen when climbing."
         )

@@ -13,13 +13,13 @@ from stair_inspector.report.units import length_text
 from stair_inspector.viewer.choices import Choice
 from stair_inspector.viewer.desk import Desk, Editor
 from stair_inspector.viewer.looking import Looking
-from stair_inspector.viewer.markup import DIM, text
+from stair_inspector.viewer.markup import DIM, read_order, text
 from stair_inspector.viewer.measuring import (
+    ORDERS,
     RULER_MODES,
     Ruler,
     drawing_of,
     measurements_html,
-    read_order,
     renamed,
     without,
 )
@@ -100,13 +100,13 @@ class MeasureTool:
 
     def obey(self, message: str) -> None:
         """Look at a measurement or delete it, as a button of the list asks."""
-        order, index = read_order(message)
+        order = read_order(message, ORDERS)
         with self._desk.lock:
             known = self._editor.work.measurements
-            kept = without(known, index)
-            if order == "delete":
+            index = order.index_in(known, "measurements")
+            if order.word == "delete":
                 self._detailed = None
-                self._editor.change(f"deleted {known[index].name}", measurements=kept)
+                self._editor.change(f"deleted {known[index].name}", measurements=without(known, index))
             else:
                 self._detailed = index
                 self.show()

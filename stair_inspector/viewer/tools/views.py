@@ -6,12 +6,13 @@ from typing import Any
 import viser
 
 from stair_inspector.errors import ConfigError
+from stair_inspector.files.projects import SavedView
 from stair_inspector.report.pictures.cameras import VIEWS, from_saved, to_saved
 from stair_inspector.viewer.choices import Choice
 from stair_inspector.viewer.desk import Desk, Editor
 from stair_inspector.viewer.looking import Looking
-from stair_inspector.viewer.markup import DIM, LINE, text
-from stair_inspector.viewer.measuring import free_name, order_buttons, read_order
+from stair_inspector.viewer.markup import DIM, LINE, list_key, read_order, text
+from stair_inspector.viewer.measuring import ORDERS, free_name, order_buttons
 from stair_inspector.viewer.notices import from_page, orders_from_page
 from stair_inspector.viewer.scene import MODES
 
@@ -91,20 +92,19 @@ class ViewTool:
             name = " ".join(str(self._name.value).split()) or free_name("View", known)
             if name in known:
                 raise ConfigError(f"keep view: the name {name[:60]!r} is taken; give another one")
-            fov_rad = float(self._desk.client.camera.fov)
-            view = to_saved(name, self._looking.pose(), fov_rad, self._desk.stage.rotation, shown.scan.origin_m)
+            pose, fov_rad = self._looking.camera()
+            view = to_saved(name, pose, fov_rad, self._desk.stage.rotation, shown.scan.origin_m)
             self._editor.edit(f"kept view {name}", lambda work: {"views": (*work.views, view)})
             # A name that stays would be taken when the next view is kept.
             self._name.value = ""
 
     def obey(self, message: str) -> None:
         """Look as a kept view does, or forget it, as a button of the list asks."""
-        order, index = read_order(message)
+        order = read_order(message, ORDERS)
         with self._desk.lock:
             views = self._editor.work.views
-            if not 0 <= index < len(views):
-                raise ConfigError(f"view {index + 1}: there are {len(views)}; choose a row of the list")
-            if order == "delete":
+            index = order.index_in(views, "kept views")
+            if order.word == "delete":
                 self._editor.change(f"forgot view {views[index].name}", views=views[:index] + views[index + 1 :])
                 return
             shown = self._desk.result("go to view")
@@ -113,7 +113,7 @@ class ViewTool:
 
     def show(self) -> None:
         """List the kept views."""
-        self._list.content = views_html(tuple(view.name for view in self._editor.work.views), self._order._impl.uuid)
+        self._list.content = views_html(self._editor.work.views, self._order._impl.uuid)
 
     def look_at(self, option: str) -> None:
         """Look at the chosen step, the stair or everything."""
@@ -126,13 +126,14 @@ class ViewTool:
                 self._looking.look("Home", is_whole=option == TARGETS[2])
 
 
-def views_html(names: tuple[str, ...], order_uuid: str) -> str:
+def views_html(views: tuple[SavedView, ...], order_uuid: str) -> str:
     """Return the list of kept views, a row for each with buttons to look from there and to forget it."""
+    key = list_key(views)
     rows = "".join(
         f'<div data-testid="view-row" style="display:flex;justify-content:space-between;border-bottom:1px solid {LINE};'
-        f'padding:1px 0"><span style="overflow-wrap:anywhere">{text(name)}</span>'
-        f'<span style="white-space:nowrap">{order_buttons(order_uuid, number, name)}</span></div>'
-        for number, name in enumerate(names, start=1)
+        f'padding:1px 0"><span style="overflow-wrap:anywhere">{text(view.name)}</span>'
+        f'<span style="white-space:nowrap">{order_buttons(order_uuid, key, number, view.name)}</span></div>'
+        for number, view in enumerate(views, start=1)
     )
     none = f'<span style="color:{DIM}">No view kept yet: turn the scene, then keep the view (key V).</span>'
     style = "font-size:12px;line-height:1.5;padding:0 12px 6px 9px"
