@@ -259,8 +259,8 @@ def _steps(inspection: Inspection, check: Check | None, pictures: Pictures) -> l
         return []
     return [
         tables.steps_table(inspection, check),
-        Bullets(wording.DEFINITIONS),
         *pictures.bars,
+        Bullets(wording.DEFINITIONS),
         tables.evidence_table(inspection, check),
         *pictures.residuals,
     ]
