@@ -22,6 +22,7 @@ from stair_inspector.report.pictures.cameras import FOV_RAD
 from stair_inspector.viewer.library import DEFAULT_UPLOAD_LIMIT_MB, Library
 from stair_inspector.viewer.session import Session
 from stair_inspector.viewer.uploads import limit_uploads
+from stair_inspector.viewer.wakeups import keep_waking
 from stair_inspector.viewer.work import KeptWishes, Work
 from stair_inspector.viewer.worker import Workshop
 
@@ -80,6 +81,7 @@ class App:
             self._server = viser.ViserServer(host=host, port=self._port, verbose=False)
         # The address must be known to whoever prints it: viser moves to another port when its own is taken.
         self._port = self._server.get_port()
+        keep_waking(self._server._websock_server)
         _remove_share_tunnel(self._server)
         self._server.gui.configure_theme(show_logo=False, show_share_button=False)
         self._server.initial_camera.fov = FOV_RAD
@@ -119,6 +121,7 @@ class App:
         self._ended.set()
 
     def _connect(self, client: viser.ClientHandle) -> None:
+        keep_waking(client._websock_connection)
         limit_uploads(client, self._library.check_upload)
         session = Session(
             client,
