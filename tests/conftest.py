@@ -29,3 +29,10 @@ class FilesTogether(LoadScopeScheduling):
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling:
     """Hand the plugin that runs the tests in several processes its order."""
     return FilesTogether(config, log)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say after which tests a page that many share had to be replaced: it costs time and may hide what is wrong."""
+    for report in terminalreporter.stats.get("", ()):
+        for name, value in getattr(report, "user_properties", ()):
+            terminalreporter.line(f"{report.nodeid} {name}: {value}")

@@ -22,6 +22,25 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.browser)
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Add to a failure what its page says and what it has not been sent yet."""
+    report = yield
+    page, app = (item.funcargs.get(name) for name in ("page", "app"))
+    if report.when == "call" and report.failed and page is not None and app is not None:
+        waiting = {
+            number: len(client._websock_connection.get_message_buffer().message_from_id)
+            for number, client in app._server.get_clients().items()
+        }
+        try:
+            said = page.page.locator("body").inner_text(timeout=5_000)
+        except Exception as error:  # noqa: BLE001 - whatever is wrong with the page, the failure itself is to be read
+            said = f"does not answer: {error}"
+        report.sections.append(("what the page says", said))
+        report.sections.append(("messages not yet sent, by page", str(waiting)))
+    return report
+
+
 @pytest.fixture(scope="session")
 def browser():
     path = find_browser()
@@ -98,7 +117,7 @@ def _shared(browser, app):
 
 
 @pytest.fixture
-def page(browser, app, _shared):
+def page(request, browser, app, _shared):
     """A page with the preset's settings, the first scan, nothing selected, the steps coloured, seen from home."""
     if not _shared:
         _shared.append(InspectorPage(browser, app.port).open())
@@ -112,7 +131,8 @@ def page(browser, app, _shared):
     else:
         try:
             page.tidy()
-        except Exception:  # noqa: BLE001 - whatever is wrong with it, the next test gets a new one
+        except Exception as error:  # noqa: BLE001 - whatever is wrong with it, the next test gets a new one
+            request.node.user_properties.append(("replaced its page", str(error).partition("\n")[0]))
             page.close()
         else:
             _shared.append(page)
