@@ -196,6 +196,7 @@ def test_a_missing_highest_tread_is_noted_at_the_landing():
     assert [flight.n_risers for flight in inspection.flights] == [10]
 
 
+@pytest.mark.slow
 def test_a_missing_lowest_tread_above_a_landing_is_noted():
     stair = replace(EVEN, n_risers=14, landing_after=7, open_risers=True, missing_treads="8")
     simulated, building = simulate(stair, replace(COARSE, stations=4), 1)
@@ -621,6 +622,7 @@ def test_steps_whose_side_is_cut_by_the_region_say_so():
     assert all(0.95 < step.width_m.value < 1.05 for step in inspection.steps)
 
 
+@pytest.mark.slow
 def test_a_region_that_leaves_the_steps_whole_says_nothing():
     _, cuts = cut_by_region("-1.5,-0.75,-0.5,9,0.75,5")
     assert cuts == []

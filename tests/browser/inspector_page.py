@@ -348,7 +348,8 @@ class InspectorPage:
                 self.page.wait_for_timeout(THROTTLE_MS)
             self.await_camera(self.home)
             self.is_scene_touched = False
-        self.tab("Steps")
+        # What a tab holds can be read and clicked while another is shown, once it has been opened.
+        # To show it takes half a second.
         if self.page.get_by_label("Show rejected surfaces").is_checked():
             click_at_once(self.page.get_by_label("Show rejected surfaces"))
         if self.by_id("steps").get_attribute("data-columns") != "survey":
@@ -356,7 +357,6 @@ class InspectorPage:
         for step in self.selected_rows():
             click_at_once(self.page.locator(f"[data-testid=step-row][data-step='{step}']"))
         self.await_selection()
-        self.tab("Tune")
 
     def download(self, kind, timeout_ms=SETTLE_MS):
         """Name and content of an exported file."""

@@ -38,6 +38,7 @@ def test_the_csv_says_what_the_table_says(page):
         assert [row["step"], *lengths, shown(row["paper_theta_deg"], digits=2)] == cells[:6]
 
 
+@pytest.mark.slow
 def test_the_json_is_valid_and_says_what_the_table_says(page):
     page.choose_columns("paper")
     name, content = page.download("JSON")

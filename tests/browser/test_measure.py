@@ -42,7 +42,7 @@ def test_a_page_opens_with_the_measurement(page, measured):
         pytest.param("θ_th [°]", "Home", "horizontal.theta_deg", 1.0, "θ_th 1°", marks=pytest.mark.slow),
         ("ε_z [mm]", "Home", "levels.eps_m", 0.001, "ε_z 1 mm"),
         pytest.param("m", "End", "levels.min_points", 5000, "m 5000", marks=pytest.mark.slow),
-        ("α_f [%]", "ArrowLeft", "edges.front_percentile", 94.5, "α 94.5/5 %"),
+        pytest.param("α_f [%]", "ArrowLeft", "edges.front_percentile", 94.5, "α 94.5/5 %", marks=pytest.mark.slow),
         pytest.param("α_b [%]", "ArrowRight", "edges.back_percentile", 5.5, "α 95/5.5 %", marks=pytest.mark.slow),
         pytest.param(
             "side edges [%]", "ArrowLeft", "edges.side_percentile", 98.5, "sides 98.5 %", marks=pytest.mark.slow
@@ -62,9 +62,9 @@ def test_a_slider_moved_by_keyboard_changes_the_table(page, measured, label, key
 @pytest.mark.parametrize(
     ("tab", "label", "option", "setting", "used"),
     [
-        pytest.param("Tune", "Axes rule", "global", "axes.rule", "axes global", marks=pytest.mark.slow),
+        ("Tune", "Axes rule", "global", "axes.rule", "axes global"),
         pytest.param("Scan", "Method", "paper", "method", "used: paper", marks=pytest.mark.slow),
-        ("Scan", "Up", "-z", "up", "up (0.000, 0.000, -1.000) given"),
+        pytest.param("Scan", "Up", "-z", "up", "up (0.000, 0.000, -1.000) given", marks=pytest.mark.slow),
     ],
 )
 def test_a_menu_changes_the_table(page, measured, tab, label, option, setting, used):

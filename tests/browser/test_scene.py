@@ -47,6 +47,7 @@ def lies_inside(picture):
     return bool(drawn.any() and not border.any())
 
 
+@pytest.mark.slow
 def test_the_camera_buttons_are_four_views_with_the_whole_staircase_inside(page):
     first = page.still_picture()
     assert lies_inside(first)

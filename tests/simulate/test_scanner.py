@@ -321,7 +321,9 @@ def test_rays_past_an_edge_do_not_depend_on_single_precision():
     assert parts == ["nosing", "tread"]
 
 
-@pytest.mark.parametrize("name", sorted(PROFILES))
+@pytest.mark.parametrize(
+    "name", ["tls_good", *(pytest.param(each, marks=pytest.mark.slow) for each in sorted(set(PROFILES) - {"tls_good"}))]
+)
 def test_every_profile_sees_a_stair(name):
     coarse = dataclasses.replace(
         PROFILES[name],
@@ -362,6 +364,7 @@ def test_smoothing_moves_every_point_to_the_mean_of_its_neighbours():
                 assert smooth.points[one] == pytest.approx(mean, abs=1.5e-5)
 
 
+@pytest.mark.slow
 def test_smoothing_rounds_edges_and_leaves_flats_alone():
     building = build(Stair(n_risers=4))
     fine = exact(azimuth_step_deg=0.2, elevation_step_deg=0.2, elevation_high_deg=0.0)

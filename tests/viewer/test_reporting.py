@@ -2,7 +2,7 @@
 
 import dataclasses
 import io
-import time
+import threading
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,7 +16,7 @@ from stair_inspector.report.images import read_photo
 from stair_inspector.report.readings import STEP_QUANTITIES
 from stair_inspector.report.texts import LONGEST_TEXT
 from stair_inspector.viewer.markup import list_key
-from tests.viewer.wire_page import OTHER, STAIR, await_that
+from tests.viewer.wire_page import OTHER, SETTLE_S, STAIR, await_that
 
 RISE, TOTAL_RISE, FALL = "rise", "total rise", "fall to the nosing"
 
@@ -27,10 +27,22 @@ def write(page, control, value):
 
 
 def choose(page, control, value):
+    """Choose of a menu, and wait for what that changes of other menus, which happens on another thread."""
+    if control.value == value:
+        return
+    callbacks, done = control._impl.update_cb, threading.Event()
+    own = [*callbacks]
+
+    def call_them(event):
+        for callback in own:
+            callback(event)
+        done.set()
+
+    callbacks[:] = [call_them]
     write(page, control, value)
-    await_that(lambda: control.value == value, f"{value} was not chosen")
-    # What the choice changes of other menus follows on another thread.
-    time.sleep(0.2)
+    assert done.wait(SETTLE_S), f"{value} was not chosen"
+    assert control.value == value
+    callbacks[:] = own
 
 
 def add(page, place, quantity, value, u=""):

@@ -196,6 +196,7 @@ def test_the_same_marks_judged_again_change_nothing(session, monkeypatch):
     assert not any(_DRAWN in view.caption for view in views)
 
 
+@pytest.mark.slow
 def test_another_scan_ends_the_pictures_of_the_one_before(page, session, monkeypatch):
     camera = session.desk.client.camera
 

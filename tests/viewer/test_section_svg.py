@@ -184,6 +184,7 @@ def test_an_empty_section_says_what_to_do():
     assert "<svg" not in source
 
 
+@pytest.mark.slow
 def test_a_section_full_of_points_stays_a_small_drawing():
     rng = np.random.default_rng(5)
     full = Profile("along", rng.uniform(0.0, 3.0, (200_000, 2)), np.full(200_000, -1, dtype=np.int16), (), 0.0, 0.5)

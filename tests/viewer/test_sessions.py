@@ -312,7 +312,7 @@ def test_saved_work_is_held_against_the_file_even_if_another_scan_was_chosen_fir
     assert any("stair.2.stair.json is back" in told for told in page.told())
 
 
-@pytest.mark.parametrize("reloads", [False, True])
+@pytest.mark.parametrize("reloads", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_work_on_a_file_that_changes_is_put_aside_and_undo_brings_it_back(serve, folder, scans, reloads):
     app = serve()
     page = WirePage(app)

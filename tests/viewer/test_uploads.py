@@ -2,13 +2,7 @@
 
 import pytest
 
-from stair_inspector.files.simulations import simulate_to_file
-from stair_inspector.params import Params
-from stair_inspector.simulate.specs import Scanner, Stair
-from stair_inspector.viewer.app import App
-from tests.viewer.wire_page import WirePage, await_that
-
-SCANNER = Scanner(max_points=6_000, azimuth_step_deg=0.3, elevation_step_deg=0.3, spacing_m=0.01, noise_m=0.002)
+from tests.viewer.wire_page import STAIR, WirePage, await_that
 
 
 class UploadingPage(WirePage):
@@ -22,14 +16,11 @@ class UploadingPage(WirePage):
 
 
 @pytest.fixture
-def page(tmp_path):
-    simulate_to_file(tmp_path / "stair.ply", Stair(n_risers=3), SCANNER)
-    app = App([tmp_path / "stair.ply"], Params(), port=0, saves_projects=False)
+def page(app):
     page = UploadingPage(app)
-    page.await_result()
+    page.await_result(STAIR)
     yield page
     page.close()
-    app.stop()
 
 
 def offer(page, name, size, button="button"):
