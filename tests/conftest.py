@@ -13,6 +13,9 @@ os.environ.setdefault("LOKY_MAX_CPU_COUNT", "1")
 hypothesis.settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=200)
 hypothesis.settings.load_profile("repeatable")
 
+REPLACED = "replaced its page"
+"""Property of a test after which the page that tests share could not be put in order; its value says why."""
+
 
 class FilesTogether(LoadScopeScheduling):
     """Deals the tests out so that those of a file, and all that drive a browser, are in one process.
@@ -33,6 +36,8 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeSch
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say after which tests a page that many share had to be replaced: it costs time and may hide what is wrong."""
-    for report in terminalreporter.stats.get("", ()):
-        for name, value in getattr(report, "user_properties", ()):
-            terminalreporter.line(f"{report.nodeid} {name}: {value}")
+    for report in (each for reports in terminalreporter.stats.values() for each in reports):
+        if isinstance(report, pytest.TestReport) and report.when == "teardown":
+            for name, value in report.user_properties:
+                if name == REPLACED:
+                    terminalreporter.line(f"{report.nodeid} {name}: {value}")

@@ -1,4 +1,4 @@
-"""Whoever sends a page its messages is woken for each of them: viser's own call may be lost, and with it the page."""
+"""Whoever sends a page its messages is woken for new ones: viser's own call may be lost, and with it the page."""
 
 import asyncio
 from collections.abc import Callable
@@ -10,8 +10,8 @@ def keep_waking(handler: Any) -> None:
 
     Any thread that has a message sets the event, and has it set once more by the thread of the event loop. Where the
     first falls between the sender's look at the event and its going to sleep, the second finds it set and wakes nobody.
-    No later message does either: the page shows what it showed, and nothing that a person does is answered, until it is
-    loaded again. Here only the event loop sets the event, which cannot fall between, and it wakes whoever sleeps.
+    Of a page's own messages no later one does either: it shows what it showed, and nothing that a person does is
+    answered, until it is loaded again. Here only the event loop sets the event, which cannot fall between.
 
     The names used here are private to viser, hence the exact version in ``pyproject.toml`` and a test in which viser
     alone loses the call.
@@ -27,7 +27,7 @@ def keep_waking(handler: Any) -> None:
 
     def wake_from_the_loop() -> None:
         if _running_loop() is buffer.event_loop:
-            # Set already, it would wake nobody.
+            # A call that was lost before the mend has left it set, and setting it again would wake nobody.
             event.clear()
             wake()
 

@@ -10,7 +10,8 @@ from stair_inspector.files.simulations import simulate_to_file
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.simulate.specs import Scanner, Stair
-from tests.browser.inspector_page import ARGUMENTS, InspectorPage, find_browser
+from tests.browser.inspector_page import ARGUMENTS, OPENED, InspectorPage, find_browser
+from tests.conftest import REPLACED
 
 HOSTILE_NAME = "<img src=x onerror='window.struck=1'>&amp;.ply"
 SCANNER = Scanner(max_points=12_000, azimuth_step_deg=0.2, elevation_step_deg=0.2, spacing_m=0.006, noise_m=0.003)
@@ -24,20 +25,21 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
-    """Add to a failure what its page says and what it has not been sent yet."""
+    """Add to a failure what the open pages say, and how many messages the server has for each but has not sent."""
     report = yield
-    page, app = (item.funcargs.get(name) for name in ("page", "app"))
-    if report.when == "call" and report.failed and page is not None and app is not None:
-        waiting = {
-            number: len(client._websock_connection.get_message_buffer().message_from_id)
-            for number, client in app._server.get_clients().items()
-        }
+    if not report.failed:
+        return report
+    for number, page in enumerate(OPENED, start=1):
         try:
             said = page.page.locator("body").inner_text(timeout=5_000)
         except Exception as error:  # noqa: BLE001 - whatever is wrong with the page, the failure itself is to be read
             said = f"does not answer: {error}"
-        report.sections.append(("what the page says", said))
-        report.sections.append(("messages not yet sent, by page", str(waiting)))
+        report.sections.append((f"what open page {number} says", said))
+    app = item.funcargs.get("app")
+    if app is not None:
+        buffers = [client._websock_connection.get_message_buffer() for client in app._server.get_clients().values()]
+        waiting = ", ".join(str(len(buffer.message_from_id)) for buffer in buffers)
+        report.sections.append(("messages not yet sent, page by page", waiting))
     return report
 
 
@@ -132,7 +134,7 @@ def page(request, browser, app, _shared):
         try:
             page.tidy()
         except Exception as error:  # noqa: BLE001 - whatever is wrong with it, the next test gets a new one
-            request.node.user_properties.append(("replaced its page", str(error).partition("\n")[0]))
+            request.node.user_properties.append((REPLACED, str(error).partition("\n")[0]))
             page.close()
         else:
             _shared.append(page)

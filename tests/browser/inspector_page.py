@@ -29,6 +29,8 @@ PRESET = ("survey", "θ_th 15°", "ε_z 20 mm", "m 50 ", "α 95/5 ", "sides 99 "
 """What the page says of the settings that every page begins with."""
 VIEW_PANEL = (40, 820)
 """Height and width of the corner that the toolbar over the scene takes up, pixels."""
+OPENED = []
+"""Every page that has not been closed yet."""
 _KNOWN_NOISE = ("THREE.Clock",)
 _FIRST_OF = {"Steps": "steps-table", "Tune": "histogram"}
 """What tells that a tab shows its content."""
@@ -99,6 +101,7 @@ class InspectorPage:
             viewport={"width": width, "height": height}, accept_downloads=True
         )
         self.page = self.context.new_page()
+        OPENED.append(self)
         self.page.set_default_timeout(SETTLE_MS)
         self.problems = []
         self.is_scene_touched = False
@@ -122,6 +125,9 @@ class InspectorPage:
         return self
 
     def close(self):
+        # A test may close its page before the fixture does.
+        if self in OPENED:
+            OPENED.remove(self)
         self.context.close()
 
     # Reading.
@@ -348,8 +354,12 @@ class InspectorPage:
                 self.page.wait_for_timeout(THROTTLE_MS)
             self.await_camera(self.home)
             self.is_scene_touched = False
-        # What a tab holds can be read and clicked while another is shown, once it has been opened.
+        # What a tab holds can be read and clicked while another is shown, once it has been opened in this connection.
         # To show it takes half a second.
+        if not self.by_id("steps").count():
+            self.tab("Steps")
+            self.by_id("steps").wait_for()
+            self.tab("Tune")
         if self.page.get_by_label("Show rejected surfaces").is_checked():
             click_at_once(self.page.get_by_label("Show rejected surfaces"))
         if self.by_id("steps").get_attribute("data-columns") != "survey":
@@ -357,6 +367,8 @@ class InspectorPage:
         for step in self.selected_rows():
             click_at_once(self.page.locator(f"[data-testid=step-row][data-step='{step}']"))
         self.await_selection()
+        # What is measured on the screen must be in sight.
+        self.page.evaluate("() => [...document.querySelectorAll('*')].forEach((each) => { each.scrollTop = 0; })")
 
     def download(self, kind, timeout_ms=SETTLE_MS):
         """Name and content of an exported file."""

@@ -11,72 +11,65 @@ from viser.infra._async_message_buffer import AsyncMessageBuffer
 from stair_inspector.params import Params
 from stair_inspector.viewer.app import App
 from stair_inspector.viewer.wakeups import keep_waking
+from tests.viewer.wire_page import SETTLE_S
 
-WAIT_S = 0.5
-"""A message is sent within a sixtieth of a second."""
-
-
-@pytest.fixture
-def loop():
-    loop = asyncio.new_event_loop()
-    thread = threading.Thread(target=loop.run_forever)
-    thread.start()
-    yield loop
-    loop.call_soon_threadsafe(loop.stop)
-    thread.join(10.0)
-    loop.close()
+NEVER_S = 0.5
+"""What has not come by then does not come: a message is sent within a sixtieth of a second."""
 
 
 class Wire:
-    """What a page receives from a buffer; ``push_while_falling_asleep`` chooses the one moment that matters."""
+    """What a page receives from a buffer."""
 
-    def __init__(self, loop, *, is_mended):
+    def __init__(self, loop):
         self._loop = loop
-        self.received = []
+        self._received = []
         self._came = threading.Condition()
-        self.buffer = self._on_loop(self._make(is_mended))
-        self._task = None
-        self._on_loop(self._begin())
-
-    async def _make(self, is_mended):
-        buffer = AsyncMessageBuffer(self._loop, persistent_messages=False)
-        if is_mended:
-            keep_waking(SimpleNamespace(get_message_buffer=lambda: buffer))
-        return buffer
+        self.buffer, self._task = self._on_loop(self._begin())
 
     async def _begin(self):
-        self._task = self._loop.create_task(self._send())
+        buffer = AsyncMessageBuffer(self._loop, persistent_messages=False)
+        return buffer, self._loop.create_task(self._send(buffer))
 
-    async def _send(self):
-        async for window in self.buffer.window_generator(0):
+    async def _send(self, buffer):
+        async for window in buffer.window_generator(0):
             with self._came:
-                self.received += [message.uuid for message in window]
+                self._received += [message.uuid for message in window]
                 self._came.notify_all()
 
     def _on_loop(self, coroutine):
-        return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(10.0)
+        return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(SETTLE_S)
+
+    def mend(self):
+        keep_waking(SimpleNamespace(get_message_buffer=lambda: self.buffer))
 
     def push(self, uuid):
         self.buffer.push(messages.RemoveNotificationMessage(uuid))
 
-    def push_while_falling_asleep(self, uuid):
-        """Push from another thread when the sender has looked at the event and does not sleep yet."""
-        event = self.buffer.message_event
+    def send_while_falling_asleep(self, first, second, push):
+        """Push a message, and another one when the sender has looked at the event and does not sleep yet."""
+        event, has_pushed = self.buffer.message_event, threading.Event()
         # asyncio asks for the loop between the two.
         find_loop = event._get_loop
 
         def pushed_meanwhile():
             del event._get_loop
-            other = threading.Thread(target=self.push, args=(uuid,))
+            other = threading.Thread(target=push, args=(second,))
             other.start()
-            other.join(10.0)
+            other.join(SETTLE_S)
+            has_pushed.set()
             return find_loop()
 
         event._get_loop = pushed_meanwhile
+        self.push(first)
+        assert has_pushed.wait(SETTLE_S), "the sender does not fall asleep as it did"
 
-    def has(self, *uuids):
+    def receives(self, *uuids):
         with self._came:
-            return self._came.wait_for(lambda: self.received == list(uuids), WAIT_S)
+            return self._came.wait_for(lambda: self._received == [*uuids], SETTLE_S)
+
+    def stays_at(self, *uuids):
+        with self._came:
+            return not self._came.wait_for(lambda: self._received != [*uuids], NEVER_S)
 
     def close(self):
         async def end():
@@ -86,42 +79,69 @@ class Wire:
         self._on_loop(end())
 
 
-@pytest.mark.parametrize("is_mended", [True, False], ids=["mended", "viser alone"])
-def test_a_message_that_comes_while_the_sender_falls_asleep_wakes_it(loop, is_mended):
-    wire = Wire(loop, is_mended=is_mended)
-    wire.push_while_falling_asleep("b")
-    wire.push("a")
-    assert wire.has("a", "b") is is_mended
-    wire.push("c")
-    assert wire.has("a", "b", "c") is is_mended
+@pytest.fixture
+def wire():
+    loop = asyncio.new_event_loop()
+    thread = threading.Thread(target=loop.run_forever)
+    thread.start()
+    wire = Wire(loop)
+    yield wire
     wire.close()
+    loop.call_soon_threadsafe(loop.stop)
+    thread.join(SETTLE_S)
+    loop.close()
 
 
-def test_messages_of_an_atomic_block_are_sent_when_it_ends(loop):
-    wire = Wire(loop, is_mended=True)
+def from_a_loop_of_its_own(push):
+    """Return a function that pushes as a program does whose threads have event loops too."""
+
+    async def pushing(uuid):
+        push(uuid)
+
+    return lambda uuid: asyncio.run(pushing(uuid))
+
+
+@pytest.mark.parametrize("has_loop", [False, True], ids=["plain thread", "thread with a loop"])
+def test_a_message_that_comes_while_the_sender_falls_asleep_wakes_it(wire, has_loop):
+    wire.mend()
+    wire.send_while_falling_asleep("a", "b", from_a_loop_of_its_own(wire.push) if has_loop else wire.push)
+    assert wire.receives("a", "b")
+    wire.push("c")
+    assert wire.receives("a", "b", "c")
+
+
+def test_viser_alone_sleeps_on_and_is_woken_once_it_is_mended(wire):
+    """The test above proves something; and a call that was lost before the mend is made up for."""
+    wire.send_while_falling_asleep("a", "b", wire.push)
+    assert wire.receives("a")
+    wire.push("c")
+    assert wire.stays_at("a")
+    wire.mend()
+    wire.push("d")
+    assert wire.receives("a", "b", "c", "d")
+
+
+def test_messages_of_an_atomic_block_are_sent_when_it_ends(wire):
+    wire.mend()
     wire.push("a")
-    assert wire.has("a")
+    assert wire.receives("a")
     wire.buffer.atomic_start()
     wire.push("b")
-    assert not wire.has("a", "b")
     wire.push("c")
+    assert wire.stays_at("a")
     wire.buffer.atomic_end()
-    assert wire.has("a", "b", "c")
-    wire.close()
+    assert wire.receives("a", "b", "c")
 
 
 def test_the_server_and_every_page_are_mended(monkeypatch, tmp_path):
-    from stair_inspector.viewer import app as module
-
     mended = []
-    monkeypatch.setattr(module, "keep_waking", lambda handler: mended.append(handler))
-    monkeypatch.setattr(module, "Session", lambda *_: SimpleNamespace(close=lambda: None))
-    monkeypatch.setattr(module, "limit_uploads", lambda *_: None)
+    monkeypatch.setattr("stair_inspector.viewer.app.keep_waking", mended.append)
+    monkeypatch.setattr("stair_inspector.viewer.app.limit_uploads", lambda *_: None)
+    monkeypatch.setattr("stair_inspector.viewer.app.Session", lambda *_: SimpleNamespace(close=lambda: None))
     app = App([tmp_path / "a.ply"], Params(), port=0)
     try:
-        assert mended == [app._server._websock_server]
         client = SimpleNamespace(client_id=0, _websock_connection=object())
         app._connect(client)
-        assert mended[1:] == [client._websock_connection]
+        assert mended == [app._server._websock_server, client._websock_connection]
     finally:
         app.stop()
