@@ -5,16 +5,14 @@ import re
 import pytest
 
 from tests.browser.inspector_page import click_at_once, rows_of
+from tests.browser.test_workspace import button, open_folder
 
 LABELS = "/stair/segments/dimension_labels/"
 
 
 def open_overrules(page):
     """Open the folder of overrules if it is closed."""
-    page.tab("Steps")
-    if not page.page.get_by_role("button", name="Clear overrules").is_visible():
-        page.page.get_by_text(re.compile(r"^Overrules")).first.click()
-    page.page.get_by_role("button", name="Clear overrules").wait_for()
+    open_folder(page, "Steps", "Overrules", button(page, "Clear overrules"))
 
 
 def overrules_text(page):

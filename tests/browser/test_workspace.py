@@ -44,11 +44,15 @@ def page(page, request):
 
 
 def open_folder(page, tab, title, probe):
-    """Open a folder of a tab if what it holds cannot be seen."""
+    """Open a folder of a tab if what it holds cannot be seen, and wait until it lies still."""
     page.tab(tab)
     if not probe.is_visible():
         page.page.get_by_text(re.compile(f"^{title}")).first.click()
     probe.wait_for()
+    # While a folder opens, what it holds moves: a click begins on a button and may end beside it.
+    page.page.wait_for_function(
+        "(element) => !element.closest('[style*=\"will-change\"]')", arg=probe.first.element_handle()
+    )
 
 
 def button(page, name):
