@@ -30,13 +30,30 @@ class Note:
     step: int | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """Something that was found about a scan before it was believed.
+
+    ``level``: ``info`` changes nothing; ``doubt`` is in every ``u`` or concerns what may be wrong; a ``question`` has
+    two answers that both fit, and the numbers hang on it, so no value and no verdict is given until it is answered.
+    ``size_m`` is how large it is, metres, where that has a meaning. ``cure`` says what to do about it: a flag, as
+    ``--unit in``, or a sentence.
+    """
+
+    code: str
+    level: Literal["info", "doubt", "question"]
+    message: str
+    size_m: float | None = None
+    cure: str = ""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan:
     """A point cloud in metres near zero.
 
     ``points`` (n, 3) local; ``origin_m`` (3,) what was subtracted, metres in the scan frame; ``colors`` (n, 3) uint8
     or None; ``normals`` (n, 3) unit vectors given by the file, or None; ``n_points`` how many the file held, before
-    non-finite points and exact duplicates were dropped.
+    non-finite points and exact duplicates were dropped. ``observations`` are what reading it already shows.
     """
 
     points: Floats
@@ -48,6 +65,7 @@ class Scan:
     colors: Colors | None = None
     normals: Floats | None = None
     notes: tuple[Note, ...] = ()
+    observations: tuple[Observation, ...] = ()
 
     def __post_init__(self) -> None:
         n = len(self.points)
@@ -57,6 +75,20 @@ class Scan:
             object.__setattr__(self, "colors", own(self.colors, (n, 3), "colors", np.uint8))
         if self.normals is not None:
             object.__setattr__(self, "normals", own(self.normals, (n, 3), "normals"))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Examination:
+    """What a scan is like before anything is measured in it.
+
+    ``steps_m`` (3,) is the step of the coordinates on each axis of the scan, metres: as decimals, the scale of an
+    integer format, a voxel lattice or float32 far from zero leave it; 0 where none shows. ``layers_m`` is how far
+    doubled surfaces lie apart, 0 where none are.
+    """
+
+    observations: tuple[Observation, ...]
+    steps_m: Floats
+    layers_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,6 +106,7 @@ class Up:
     source: Literal["given", "floor", "treads"]
     u_deg: float | None = None
     notes: tuple[Note, ...] = ()
+    observations: tuple[Observation, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -411,17 +444,21 @@ class Flight:
 
     ``step_ids`` from bottom to top, the landing at its upper end included; ``n_risers`` counts the risers that were
     measured and those of missing treads. ``climb`` (3,) is the horizontal direction of climb at its foot, scan axes.
+    ``radius_m`` is that of the middle line of a ``curved`` flight. ``goes_on`` says what is seen of the flight beyond
+    what was measured, None where nothing is.
     """
 
     flight_id: int
     step_ids: tuple[int, ...]
     n_risers: int
-    shape: Literal["straight", "winder", "spiral"]
+    shape: Literal["straight", "curved", "winder", "spiral"]
     climb: Floats
     pitch_deg: Measured | None = None
     width_m: Measured | None = None
     rise: Statistics | None = None
     going: Statistics | None = None
+    radius_m: Measured | None = None
+    goes_on: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -469,7 +506,7 @@ class Inspection:
     ``labels`` (n_used,): 0 floor, k step k, -1 neither. ``floor`` is the floor's plane (local), ``floor_h_m`` the
     paper's h from the floor to the first step. ``axes`` are those of the paper's values, None where there is no step.
     ``flights``, ``patches`` and ``patch_ids`` (n_used,), the patch of every point or -1, are the survey's and empty
-    with the paper's method.
+    with the paper's method. ``examination`` is what was found about the scan before it was measured.
     """
 
     scan: ScanSummary
@@ -487,3 +524,9 @@ class Inspection:
     flights: tuple[Flight, ...] = ()
     patches: tuple[Patch, ...] = ()
     patch_ids: Ints | None = None
+    examination: tuple[Observation, ...] = ()
+
+    @property
+    def questions(self) -> tuple[Observation, ...]:
+        """What has to be answered before a value is given."""
+        return tuple(found for found in self.examination if found.level == "question")

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from typing_extensions import Doc
 
+from stair_inspector import priors
 from stair_inspector.errors import ConfigError
 
 Method = Literal["survey", "paper"]
@@ -189,12 +190,12 @@ class FlightsParams(Group):
         float,
         Knob(0.03, 0.2, 0.005, "smallest rise", display_unit="mm", per_display=1000.0),
         Doc("Smallest rise between two steps, metres (0.03 to 0.2)."),
-    ] = 0.06
+    ] = priors.LEAST_RISE_M
     max_rise_m: Annotated[
         float,
         Knob(0.2, 0.6, 0.005, "largest rise", display_unit="mm", per_display=1000.0),
         Doc("Largest rise between two steps, metres (0.2 to 0.6)."),
-    ] = 0.3
+    ] = priors.MOST_RISE_M
     max_gap_m: Annotated[
         float,
         Knob(0.02, 0.5, 0.01, "largest gap", display_unit="mm", per_display=1000.0),

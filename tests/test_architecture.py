@@ -9,11 +9,12 @@ import pytest
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "stair_inspector"
 ROOMS = (
-    ("errors",),
+    ("errors", "priors"),
     ("geometry",),
     ("params",),
     ("model",),
     ("stages", "codes", "simulate"),
+    ("memo",),
     ("pipeline",),
     ("files",),
     ("report",),
@@ -22,7 +23,7 @@ ROOMS = (
 )
 """From the lowest floor to the highest; a room may import itself and what lies below, not its neighbours."""
 RANK = {room: rank for rank, rooms in enumerate(ROOMS) for room in rooms}
-CORE = {"errors", "geometry", "params", "model", "stages", "codes", "simulate", "pipeline"}
+CORE = {"errors", "priors", "geometry", "params", "model", "stages", "codes", "simulate", "memo", "pipeline"}
 HEAVY = {"open3d", "trimesh", "sklearn", "scipy", "typst", "ezdxf", "xlsxwriter"}
 """Imported only inside the functions that need them: each takes up to seconds."""
 FILES = sorted(PACKAGE.rglob("*.py"))

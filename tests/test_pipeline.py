@@ -14,9 +14,10 @@ import pytest
 
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.files.exports import inspection_to_dict
+from stair_inspector.memo import Memo
 from stair_inspector.model import Normals
 from stair_inspector.params import EdgesParams, HorizontalParams, LevelsParams, NormalsParams, Params
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
 from tests.synthetic import CHANGES, Stair, exact_params, make_scan, motion, numbers_of, rotation
@@ -29,9 +30,9 @@ WITHIN = 5.0
 NOISY = Stair(noise=NOISE, seed=21)
 FROM_HORIZONTAL = ["horizontal", "reach", "levels", "surfaces", "axes", "extents", "edges", "nearest", "paper"]
 SURVEY = ["patches", "overrules", "flights", "nosings", "survey"]
-BY_PAPER = ["normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
+BY_PAPER = ["examination", "normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
 # The order by height comes after the comparison of floor and treads, which is made only where up is not given.
-ALL_STAGES = ["normals", "up", "plumb", *BY_PAPER[2:], *SURVEY]
+ALL_STAGES = ["examination", "normals", "up", "plumb", *BY_PAPER[3:], *SURVEY]
 
 
 def result_of(inspection):
@@ -504,18 +505,18 @@ def test_memo_gives_what_a_plain_run_gives_through_a_drag_over_all_sliders():
 @pytest.mark.parametrize(
     ("name", "stages"),
     [
-        ("normals.k", ALL_STAGES),
+        ("normals.k", ALL_STAGES[1:]),
         # A given up is not compared with the treads.
-        ("up", ["up", *ALL_STAGES[3:]]),
-        ("floor.distance_m", ALL_STAGES[1:]),
-        ("overrules.region", ALL_STAGES[3:]),
+        ("up", ["up", *ALL_STAGES[4:]]),
+        ("floor.distance_m", ALL_STAGES[2:]),
+        ("overrules.region", ALL_STAGES[4:]),
         ("horizontal.theta_deg", [*FROM_HORIZONTAL, "profile", *SURVEY]),
         ("levels.eps_m", [*FROM_HORIZONTAL[1:], *SURVEY]),
         ("levels.min_points", [*FROM_HORIZONTAL[2:], *SURVEY]),
         # A step of the survey carries the paper's values too, so its last stage runs again; its search does not.
         ("axes.rule", ["axes", "extents", "edges", "paper", "survey"]),
         # The survey looks for the floor among several planes.
-        ("method", BY_PAPER[1:]),
+        ("method", BY_PAPER[2:]),
         ("edges.front_percentile", ["edges", "paper", "survey"]),
         ("edges.back_percentile", ["edges", "paper", "survey"]),
         ("edges.side_percentile", ["edges", "paper", "survey"]),
@@ -552,7 +553,12 @@ def test_memo_runs_nothing_for_equal_settings_and_everything_for_another_scan():
     scan, memo = NOISY.scan(), Memo()
     inspect(scan, exact_params(), memo)
     assert inspect(scan, exact_params(), memo).timings_s == {}
-    assert list(inspect(NOISY.scan(), exact_params(), memo).timings_s) == ["normals", "up", *ALL_STAGES[3:]]
+    assert list(inspect(NOISY.scan(), exact_params(), memo).timings_s) == [
+        "examination",
+        "normals",
+        "up",
+        *ALL_STAGES[4:],
+    ]
 
 
 def test_memo_survives_a_setting_that_cannot_be_measured():

@@ -12,9 +12,10 @@ import pytest
 from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
+from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import Params, UncertaintyParams
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 
 PRESETS = {
     "straight": "tls",

@@ -88,6 +88,7 @@ def inspection_to_dict(inspection: Inspection, check: Check | None = None) -> di
             "unit": scan.unit,
             "origin_m": list(scan.origin_m),
         },
+        "examination": [dataclasses.asdict(found) for found in inspection.examination],
         "settings": params_to_dict(inspection.params),
         "up": {"vector": inspection.up.vector.tolist(), "source": inspection.up.source, "u_deg": inspection.up.u_deg},
         "axes": None
@@ -262,6 +263,8 @@ def _flight_to_dict(flight: Flight) -> dict[str, Any]:
         "pitch_deg": _measured_to_dict(flight.pitch_deg),
         "width_m": _measured_to_dict(flight.width_m),
         "shape": flight.shape,
+        "radius_m": _measured_to_dict(flight.radius_m),
+        "goes_on": flight.goes_on,
         "climb": flight.climb.tolist(),
         "rise": _statistics_to_dict(flight.rise),
         "going": _statistics_to_dict(flight.going),

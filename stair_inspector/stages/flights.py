@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import freeze
 from stair_inspector.model import Chain, Chains, Note, Patches, Surface
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.gaps import (
-    LONGEST_TREAD_M,
     STRAIGHT_DEG,
     close_gaps,
     going_between,
@@ -22,21 +22,10 @@ from stair_inspector.stages.gaps import (
 from stair_inspector.stages.links import BASE_RATIO, LEAST_CONTACT_M, Link, angle_deg, depth_along, find_links
 from stair_inspector.stages.rejects import Forced, find_undersides, may_be_step
 
-_MOST_UNEVEN = 1.6
-"""Ratio of two rises that follow each other above which they do not belong to one flight."""
-_SHORT_UNEVEN = 1.35
-"""The same for two risers alone, which furniture imitates more easily than a longer flight."""
-_TALLEST_FOOT = 1.75
-"""The same for the first riser of a long flight: above, a tread may be missing."""
-_SHORTEST_GOING_M = 0.1
-LANDING_RATIO = 1.8
-"""A step that is this much deeper than the others of its flight is a landing too."""
 _LEAST_OVERLAP = 0.5
 """Share of the shorter edge along which two edges of one step must face each other."""
 _LEAST_SEEN = 0.25
 """The same where a long run goes on behind: a shadow may hide most of an edge."""
-_SURE_RISERS = 3
-"""So many even risers in a row are a flight by themselves."""
 _ALTERNATIVE_RISE = 0.25
 _LAST_RISE = 0.1
 """How far the rise onto a landing that is touched along a short edge only may be from the flight's, as a share."""
@@ -147,12 +136,12 @@ def _consistency(first: Link, second: Link, params: FlightsParams) -> float:
         return 0.0
     low, high = sorted((first.rise_m, second.rise_m))
     turn = angle_deg(first.climb, second.climb)
-    if high > _MOST_UNEVEN * low or turn > params.turn_deg:
+    if high > priors.MOST_UNEVEN * low or turn > params.turn_deg:
         return 0.0
     way = first.climb + second.climb
     way /= np.hypot(*way)
     move = second.middle - first.middle
-    if way @ move < _SHORTEST_GOING_M:
+    if way @ move < priors.SHORTEST_GOING_M:
         return 0.0
     if turn <= STRAIGHT_DEG and not _overlap(first, second, _LEAST_OVERLAP):
         return 0.0
@@ -184,7 +173,7 @@ def _with_foot(surfaces: Sequence[Surface], run: list[Link], links: Sequence[Lin
     """Put the floor or landing in front of a run that begins with a tread, if there is one."""
     first = run[0]
     # A wide step with a floor below it is a step all the same.
-    if first.climb is None or depth_along(surfaces[first.lower], first.climb) > LONGEST_TREAD_M:
+    if first.climb is None or depth_along(surfaces[first.lower], first.climb) > priors.LONGEST_TREAD_M:
         return run
     rise_m = float(np.median([link.rise_m for link in run]))
     candidates = [
@@ -192,15 +181,15 @@ def _with_foot(surfaces: Sequence[Surface], run: list[Link], links: Sequence[Lin
         for link in links
         if link.upper == first.lower
         and surfaces[link.lower].area_m2 > BASE_RATIO * surfaces[link.upper].area_m2
-        and rise_m <= _MOST_UNEVEN * link.rise_m
-        and link.rise_m <= (_TALLEST_FOOT if len(run) >= _SURE_RISERS else _MOST_UNEVEN) * rise_m
+        and rise_m <= priors.MOST_UNEVEN * link.rise_m
+        and link.rise_m <= (priors.TALLEST_FOOT if len(run) >= priors.SURE_RISERS else priors.MOST_UNEVEN) * rise_m
     ]
     if not candidates:
         return run
     foot = min(candidates, key=lambda link: abs(link.rise_m - rise_m))
     # Its own edge may run all around the tread: the flight's first step says which way is up.
     foot = replace(foot, climb=first.climb)
-    return [foot, *run] if going_between(foot, first) >= _SHORTEST_GOING_M else run
+    return [foot, *run] if going_between(foot, first) >= priors.SHORTEST_GOING_M else run
 
 
 def _with_uneven_ends(surfaces: Sequence[Surface], runs: list[list[Link]]) -> list[list[Link]]:
@@ -223,8 +212,8 @@ def _with_uneven_ends(surfaces: Sequence[Surface], runs: list[list[Link]]) -> li
 def _with_weak_links(runs: list[list[Link]], weak: Sequence[Link], params: FlightsParams) -> list[list[Link]]:
     """Join two runs, each long enough for a flight, that touch along a short edge, as wedges half in shadow do."""
     for link in weak:
-        low = next((run for run in runs if run[-1].upper == link.lower and len(run) >= _SURE_RISERS), None)
-        high = next((run for run in runs if run[0].lower == link.upper and len(run) >= _SURE_RISERS), None)
+        low = next((run for run in runs if run[-1].upper == link.lower and len(run) >= priors.SURE_RISERS), None)
+        high = next((run for run in runs if run[0].lower == link.upper and len(run) >= priors.SURE_RISERS), None)
         if low is None or high is None or link.climb is None:
             continue
         before, after = low[-1].climb, high[0].climb
@@ -234,7 +223,7 @@ def _with_weak_links(runs: list[list[Link]], weak: Sequence[Link], params: Fligh
         way = before + after
         way /= np.hypot(*way)
         goings = (link.middle - low[-1].middle) @ before, (high[0].middle - link.middle) @ way
-        if abs(link.rise_m - rise_m) <= _ALTERNATIVE_RISE * rise_m and min(goings) >= _SHORTEST_GOING_M:
+        if abs(link.rise_m - rise_m) <= _ALTERNATIVE_RISE * rise_m and min(goings) >= priors.SHORTEST_GOING_M:
             # A short edge says little about the direction: it lies between those before and after.
             runs = [[*low, replace(link, climb=way), *high] if run is low else run for run in runs if run is not high]
     return runs
@@ -263,7 +252,7 @@ def _with_short_last_edges(
             and surfaces[link.lower].area_m2 <= BASE_RATIO * usual_m2 < surfaces[link.upper].area_m2
             and _consistency(last, link, params) > 0.0
         ]
-        result.append([*run, found[0]] if len(run) >= _SURE_RISERS and len(found) == 1 else run)
+        result.append([*run, found[0]] if len(run) >= priors.SURE_RISERS and len(found) == 1 else run)
         steps |= {link.upper for link in result[-1]}
     return result
 
@@ -273,13 +262,13 @@ def _goes_on(surfaces: Sequence[Surface], low: list[Link], high: list[Link]) -> 
     first, second = low[-1], high[0]
     if first.upper != second.lower or first.climb is None or second.climb is None:
         return False
-    if max(len(low), len(high)) < _SURE_RISERS:
+    if max(len(low), len(high)) < priors.SURE_RISERS:
         return False
     longer = high if len(high) > len(low) else low
     going_m = float(np.median([going_between(a, b) for a, b in itertools.pairwise(longer)]))
     depth_m = going_between(first, second)
-    is_tread = _SHORTEST_GOING_M <= depth_m <= min(LONGEST_TREAD_M, LANDING_RATIO * going_m)
-    is_tread = is_tread and depth_along(surfaces[second.lower], second.climb) <= LONGEST_TREAD_M
+    is_tread = priors.SHORTEST_GOING_M <= depth_m <= min(priors.LONGEST_TREAD_M, priors.LANDING_RATIO * going_m)
+    is_tread = is_tread and depth_along(surfaces[second.lower], second.climb) <= priors.LONGEST_TREAD_M
     return is_tread and angle_deg(first.climb, second.climb) <= STRAIGHT_DEG and _overlap(first, second, _LEAST_SEEN)
 
 
@@ -304,7 +293,7 @@ def _cut_at_landings(run: list[Link], forced: Forced) -> list[list[Link]]:
     usual_m = float(np.median(depths))
     pieces = [[run[0]]]
     for link, previous, depth_m in zip(run[1:], run[:-1], depths, strict=True):
-        is_deep = depth_m > LONGEST_TREAD_M or depth_m > LANDING_RATIO * usual_m
+        is_deep = depth_m > priors.LONGEST_TREAD_M or depth_m > priors.LANDING_RATIO * usual_m
         # Where a tread is missing, the step below it only looks deep.
         is_deep = is_deep and not link.n_missing and not previous.n_missing
         # The way to a short edge, which may lie far on one side, is no depth either.
@@ -321,12 +310,12 @@ def _is_flight(
 ) -> bool:
     """Return whether a run is a flight by itself, or one that a landing joins to another."""
     n_risers = len(run)
-    if n_risers >= max(_SURE_RISERS, params.min_risers):
+    if n_risers >= max(priors.SURE_RISERS, params.min_risers):
         return True
     if any(
         _is_joined(run, other)
         for other in pieces
-        if other is not run and len(other) >= max(_SURE_RISERS, params.min_risers)
+        if other is not run and len(other) >= max(priors.SURE_RISERS, params.min_risers)
     ):
         return True
     if n_risers < params.min_risers:
@@ -344,7 +333,12 @@ def _is_flight(
     depth_m = going_between(first, second)
     evenly_wide = min(first.length_m, second.length_m) >= 0.7 * max(first.length_m, second.length_m)
     is_filled = tread.area_m2 >= 0.5 * depth_m * min(first.length_m, second.length_m)
-    return high <= _SHORT_UNEVEN * low and 0.15 <= depth_m <= LONGEST_TREAD_M and evenly_wide and is_filled
+    return (
+        high <= priors.MOST_UNEVEN_OF_TWO * low
+        and 0.15 <= depth_m <= priors.LONGEST_TREAD_M
+        and evenly_wide
+        and is_filled
+    )
 
 
 def _is_joined(run: list[Link], other: list[Link]) -> bool:

@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Surface
 from stair_inspector.stages.links import BASE_RATIO, Link, angle_deg, depth_along, height_at
 
-LONGEST_TREAD_M = 0.62
-"""A step that is deeper is a landing: no code's going is longer."""
 STRAIGHT_DEG = 15.0
 _MAX_MISSING = 3
 _RISE_TOLERANCE, _GOING_TOLERANCE = 0.22, 0.44
@@ -73,7 +72,7 @@ class _Pace:
     def facing_m(self, surface: Surface, front_m: float) -> tuple[float, float]:
         """Return over how much of the run's width a surface's front lies before it, and the width of the narrower."""
         ahead, aside = self.ahead(surface.cells_m), self.aside(surface.cells_m)
-        low, high = np.percentile(aside[ahead <= front_m + LONGEST_TREAD_M], [2.0, 98.0])
+        low, high = np.percentile(aside[ahead <= front_m + priors.LONGEST_TREAD_M], [2.0, 98.0])
         common = min(float(high), self.high_m) - max(float(low), self.low_m)
         return common, min(float(high - low), self.high_m - self.low_m)
 
@@ -83,7 +82,7 @@ def is_base(surfaces: Sequence[Surface], run: Sequence[Link]) -> bool:
     first = run[0]
     if first.climb is None:
         return True
-    if depth_along(surfaces[first.lower], first.climb) > LONGEST_TREAD_M:
+    if depth_along(surfaces[first.lower], first.climb) > priors.LONGEST_TREAD_M:
         return True
     # Of the treads a shadow may have left little: as large as its going and its width says, each is at least.
     seen_m2 = float(np.median([surfaces[link.upper].area_m2 for link in run]))
@@ -234,7 +233,7 @@ def _above(
     """Continue a run at its upper end."""
     pace = _pace(surfaces, run[-_NEAREST_LINKS:], len(run) <= _NEAREST_LINKS and is_base(surfaces, run))
     top = run[-1].upper
-    if pace is None or depth_along(surfaces[top], pace.climb) > LONGEST_TREAD_M:
+    if pace is None or depth_along(surfaces[top], pace.climb) > priors.LONGEST_TREAD_M:
         return None
     starts = {other[0].lower: other for other in others}
     used = {link.upper for link in itertools.chain(run, *others)} | {run[0].lower}
@@ -261,7 +260,7 @@ def _below(
     free = [number for number in range(len(surfaces)) if is_allowed[number] and number not in used]
     for bridge in _bridges(surfaces, is_allowed, pace, [(number, run[0].lower) for number in free]):
         low = ends.get(bridge.lower)
-        is_tread = depth_along(surfaces[bridge.lower], pace.climb) <= LONGEST_TREAD_M
+        is_tread = depth_along(surfaces[bridge.lower], pace.climb) <= priors.LONGEST_TREAD_M
         if is_tread and _may_join(run, bridge, None if low is None else low[-1], low):
             return [*(low or ()), bridge, *run], low
     return None

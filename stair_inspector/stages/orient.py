@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.errors import CannotMeasure, ConfigError, DegenerateGeometry
 from stair_inspector.geometry.arrays import Bools, Floats, freeze, own, project, scatter_of
 from stair_inspector.geometry.clusters import cluster_sorted, find_reach
@@ -25,8 +26,6 @@ _LEVEL_EPS_M = 0.02
 _LEVEL_SHARE = 0.01
 """A level parallel to a plane is found when it holds this share of the points that face the same way, found ones left
 out: beside a floor and landings each tread of a long stair holds far less than this share of all of them."""
-_STEEPEST_DEG = 42.0
-"""Pitch of the steepest stair whose treads are told from its risers by it: at 45 degrees both are equal."""
 _LEANING_DEG = 45.0
 _CEILING_SHARE = 0.8
 """Share of the points off the plane that lie below it, above which it is no floor."""
@@ -275,7 +274,7 @@ def _find_steps(middles: Floats, normal: Floats) -> Bools:
     is_straight = np.einsum("ij,ij->i", goings[:-1], goings[1:]) >= (
         math.cos(math.radians(limits.turn_deg)) * lengths[:-1] * lengths[1:]
     )
-    steepest = math.tan(math.radians(_STEEPEST_DEG))
+    steepest = math.tan(math.radians(priors.USUAL_STEEPEST_PITCH_DEG))
     is_flat = rises[:-1] + rises[1:] <= steepest * np.linalg.norm(goings[:-1] + goings[1:], axis=1)
     goes_on = is_rise[:-1] & is_rise[1:] & is_straight & is_flat
     # Three levels in a row are found in any heap of boxes: two such threes, one level apart, are a flight.

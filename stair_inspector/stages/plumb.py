@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, own
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
 from stair_inspector.model import Normals, Note, Scan, Surface, Up
@@ -25,7 +26,6 @@ _SURE_DEG = 0.12
 _SIGMAS = 3.0
 _LEVELLED_DEG = 3.0
 """Scans whose z axis is as near as this to floor or treads were levelled by their scanner."""
-_GOING_M = 0.28
 _BLOCK_M = 0.25
 
 
@@ -99,7 +99,7 @@ def refine_up(scan: Scan, normals: Normals, up: Up) -> Up:
         why = "the scan's z axis is nearer to it" if is_levelled else "the treads do not agree with each other"
     message = (
         f"floor and treads disagree about the vertical by {apart_deg:.1f}°, which moves each rise by about "
-        f"{1000.0 * _GOING_M * math.tan(math.radians(apart_deg)):.0f} mm; up is taken from the "
+        f"{1000.0 * priors.USUAL_GOING_M * math.tan(math.radians(apart_deg)):.0f} mm; up is taken from the "
         f"{'treads' if takes_treads else 'floor'}, because {why}; give --up if you know it"
     )
     note = Note("up_disagree", "plumb", message)

@@ -6,27 +6,23 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats, Ints, freeze
 from stair_inspector.model import Chains, Horizontal, Patches, Scan, Surface
 from stair_inspector.params import OverrulesParams, Verdict, parse_force, parse_up
 
-STEEPEST_DEG = 12.0
-"""A surface that leans more is a piece of a ramp or of a slanting object; treads of a badly levelled scan lean less."""
 _NARROWEST_M, _LINE_M = 0.1, 0.02
-_HEADROOM_M = 1.9
 _SLAB_M = 0.6
 _OVER_SHARE = 0.3
 _SAME_HEIGHT_M = 0.04
 _REACH_M = 0.5
 """How far a surface may be from the point by which the inspector means it."""
-_SLAB_THICKNESS_M = (0.012, 0.12)
 _UNDER_SHARE = 0.5
 _LEAST_LEVEL = 0.2
 """A direction that is steeper than 78 degrees says nothing about the plan."""
 _RISER_M, _BESIDE_M = (0.06, 0.3), 0.15
 """Heights of a riser, and how near in plan the step below it lies: as far as the flights' own limits reach."""
-_FURNITURE_M = (0.2, 1.3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,7 +99,7 @@ def apply_overrules(scan: Scan, horizontal: Horizontal, patches: Patches, params
 
 def may_be_step(surface: Surface, min_area_m2: float) -> bool:
     """Return whether a surface is large and level enough to be part of a staircase, and more than a line of points."""
-    is_level = lean_deg(surface) <= STEEPEST_DEG
+    is_level = lean_deg(surface) <= priors.STEEPEST_TREAD_DEG
     # Of a tread only a strip may be seen, but a line of points is none.
     return surface.area_m2 >= min_area_m2 and is_level and _narrow_side(surface) >= _LINE_M
 
@@ -112,7 +108,7 @@ def find_undersides(patches: Patches) -> frozenset[int]:
     """Return the surfaces that lie closely under another one: undersides of treads, as of open stairs from below."""
     surfaces = patches.surfaces
     order = sorted(range(len(surfaces)), key=lambda k: surfaces[k].height_m)
-    thinnest, thickest = _SLAB_THICKNESS_M
+    thinnest, thickest = priors.SLAB_THICKNESS_M
     found = set()
     keys: dict[int, Ints] = {}
     for position, lower in enumerate(order):
@@ -206,14 +202,14 @@ def _why(
         )
     standing = min((gap for gap in gaps if gap > 0.0), default=None)
     over_top_m = surface.height_m - max(other.height_m for other in steps)
-    if (standing is not None and standing >= _HEADROOM_M) or over_top_m >= _HEADROOM_M:
+    if (standing is not None and standing >= priors.HEADROOM_M) or over_top_m >= priors.HEADROOM_M:
         over_m = over_top_m if standing is None else standing
         is_over_step = any(surface.height_m - step.height_m == over_m for step in steps)
         below = "steps" if is_over_step else "floor"
         return f"{over_m:.2f} m above the {below}: a ceiling or the storey above"
     if any(abs(surface.height_m - other.height_m) <= _SAME_HEIGHT_M for other in bases):
         return "at the height of the floor at which the stairs begin, but apart from it: floor elsewhere, as next door"
-    if standing is not None and _FURNITURE_M[0] <= standing <= _FURNITURE_M[1]:
+    if standing is not None and priors.FURNITURE_M[0] <= standing <= priors.FURNITURE_M[1]:
         return f"stands {standing:.2f} m above a step or the floor: a table, a seat or other furniture"
     if any(abs(surface.height_m - step.height_m) <= _SAME_HEIGHT_M for step in steps):
         return "at the height of a step but apart from it: furniture or another room"
@@ -237,7 +233,7 @@ def _why_by_itself(surface: Surface, least_area_m2: float) -> str | None:
     """Return why a surface can be no step whatever is around it, or None."""
     if surface.area_m2 < least_area_m2:
         return f"only {surface.area_m2:.3f} m² large, less than any tread (patches.min_area_m2 is {least_area_m2:g})"
-    if lean_deg(surface) > STEEPEST_DEG:
+    if lean_deg(surface) > priors.STEEPEST_TREAD_DEG:
         return f"leans by {lean_deg(surface):.0f}°: a ramp or a slanting object, not a tread"
     if _narrow_side(surface) < _NARROWEST_M:
         return f"only {_narrow_side(surface) * 1000.0:.0f} mm wide: a railing, a ledge or a beam"

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, own
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.geometry.fits import PlaneFit
@@ -27,8 +28,6 @@ from stair_inspector.model import (
 )
 from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
 from stair_inspector.stages.doubt import NEAR_REGISTRATION, edge_doubt, expanded, slope_doubt, surface_doubt
-from stair_inspector.stages.flights import LANDING_RATIO
-from stair_inspector.stages.gaps import LONGEST_TREAD_M
 from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.nosings import flight_after, straight_climb
 from stair_inspector.stages.rejects import Forced
@@ -478,12 +477,12 @@ def _kinds_of(
 ) -> list[Literal["tread", "landing"]]:
     """Tell landings from treads: by depth, by another flight that begins there, or because the user says so."""
     goings = [step.going_m.value for step in steps if step.going_m is not None]
-    usual_m = float(np.median(goings)) if goings else LONGEST_TREAD_M / LANDING_RATIO
+    usual_m = float(np.median(goings)) if goings else priors.LONGEST_TREAD_M / priors.LANDING_RATIO
     kinds: list[Literal["tread", "landing"]] = []
     for k, (number, shape) in enumerate(zip(chain.steps, shapes, strict=True)):
         depth_m = shape.extent[1] - shape.front.middle_m
         # Only where a flight ends can a landing be: within it, a tread is missing above a step that looks deep.
-        is_deep = depth_m > min(LONGEST_TREAD_M, LANDING_RATIO * usual_m) and k == len(shapes) - 1
+        is_deep = depth_m > min(priors.LONGEST_TREAD_M, priors.LANDING_RATIO * usual_m) and k == len(shapes) - 1
         decided = forced.kinds.get(number)
         is_landing = decided == "landing" or (decided != "tread" and (is_deep or number in bases))
         kinds.append("landing" if is_landing else "tread")

@@ -7,11 +7,13 @@ from typing import Literal
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, freeze
 from stair_inspector.model import (
     NON_STAIR_LABEL,
     Axes,
     Chains,
+    Examination,
     HeightProfile,
     Horizontal,
     Inspection,
@@ -33,29 +35,18 @@ from stair_inspector.stages.region import note_region_cuts
 from stair_inspector.stages.rejects import Forced, explain_rejects, lean_deg
 from stair_inspector.stages.survey import Survey
 
-_LOWEST_RISE_M = 0.06
-_HIGHEST_RISE_M = 0.35
-"""Far outside every code's limits (100 to 241 mm): a bad staircase is what an inspector looks for."""
-_MOST_UNEVEN = 1.7
-"""Ratio of two rises that follow each other above which they are shelves, not steps."""
 _MERGED_M = 0.1
 """A level whose points spread over more than this is several that ran together."""
-_SHORTEST_GOING_M = 0.15
-_LONGEST_GOING_M = 0.9
-"""Distance of two centres: from the narrowest tread to half a tread and half a landing."""
 Kind = Literal["floor", "tread", "landing", "rejected"]
 _TELLING: tuple[Kind, ...] = ("tread", "landing", "floor")
 _FEWEST_TREADS = 3
 _LEVEL_DEG = 0.3
-_USUAL_GOING_M = 0.28
-_RAMP_DEG = (2.0, 12.0)
-_STEEPEST_TREAD_DEG = 8.0
-"""A surface that leans more is a piece of a ramp; treads of a badly levelled scan lean up to 5 degrees."""
 
 
 def conclude(
     scan: Scan,
     params: Params,
+    examined: Examination,
     up: Up,
     axes: Axes | None,
     horizontal: Horizontal,
@@ -88,6 +79,7 @@ def conclude(
         labels=levels.labels,
         notes=tuple(notes),
         timings_s=timings_s,
+        examination=(*examined.observations, *up.observations),
     )
 
 
@@ -256,7 +248,7 @@ def _disagreement(survey: Survey, up: Up) -> list[Note]:
     message = (
         f"the treads on the whole lean by {lean_deg:.2f}° from the horizontal of the up direction ({up.source}): "
         "either they are built so, or up is wrong by that much, which would move each rise by "
-        f"{1000.0 * _USUAL_GOING_M * math.tan(math.radians(lean_deg)):.0f} mm"
+        f"{1000.0 * priors.USUAL_GOING_M * math.tan(math.radians(lean_deg)):.0f} mm"
     )
     return [Note("treads_lean", "verdict", message)]
 
@@ -295,7 +287,7 @@ def _why_no_flight(patches: Patches, chains: Chains, forced: Forced, params: Par
     else:
         found = "no two of them a riser apart in height and side by side in plan"
     ramp = ""
-    if _RAMP_DEG[0] <= lean <= _RAMP_DEG[1]:
+    if priors.RAMP_DEG[0] <= lean <= priors.RAMP_DEG[1]:
         ramp = f"; the largest, of {largest.area_m2:.1f} m², leans by {lean:.1f}° as a ramp does"
     return f"{what}, but {found}{ramp}; {advice}"
 
@@ -332,19 +324,23 @@ def why_no_staircase(surfaces: Surfaces, levels: tuple[Level, ...], up: Up) -> s
     moves = [above - below for below, above in itertools.pairwise(centroids)]
     rises = [float(move @ up.vector) for move in moves]
     goings = [math.hypot(*(move - rise * up.vector)) for move, rise in zip(moves, rises, strict=True)]
-    is_riser = [_LOWEST_RISE_M <= rise <= _HIGHEST_RISE_M for rise in rises]
+    is_riser = [priors.PAPER_RISE_M[0] <= rise <= priors.PAPER_RISE_M[1] for rise in rises]
     is_flat = [
-        plane.normal is not None and float(plane.normal @ up.vector) >= math.cos(math.radians(_STEEPEST_TREAD_DEG))
+        plane.normal is not None
+        and float(plane.normal @ up.vector) >= math.cos(math.radians(priors.PAPER_STEEPEST_TREAD_DEG))
         for plane in surfaces.planes
     ]
     is_step = [
-        is_riser[k] and is_flat[k] and is_flat[k + 1] and _SHORTEST_GOING_M <= goings[k] <= _LONGEST_GOING_M
+        is_riser[k]
+        and is_flat[k]
+        and is_flat[k + 1]
+        and priors.PAPER_CENTRES_M[0] <= goings[k] <= priors.PAPER_CENTRES_M[1]
         for k in range(len(moves))
     ]
     # Move 0 is from the floor, so a step-to-step move is any later one.
     for k in range(1, len(moves)):
         if is_step[k] and any(
-            is_riser[other] and max(rises[other], rises[k]) <= _MOST_UNEVEN * min(rises[other], rises[k])
+            is_riser[other] and max(rises[other], rises[k]) <= priors.PAPER_MOST_UNEVEN * min(rises[other], rises[k])
             for other in (k - 1, k + 1)
             if other < len(moves)
         ):
@@ -353,10 +349,11 @@ def why_no_staircase(surfaces: Surfaces, levels: tuple[Level, ...], up: Up) -> s
         f"{rise * 1000.0:.0f}/{going * 1000.0:.0f}" for rise, going in zip(rises[:8], goings[:8], strict=True)
     )
     more = ", ..." if len(rises) > 8 else ""
-    low, high = _LOWEST_RISE_M * 1000.0, _HIGHEST_RISE_M * 1000.0
+    low, high = (1000.0 * rise for rise in priors.PAPER_RISE_M)
+    near, far = (1000.0 * apart for apart in priors.PAPER_CENTRES_M)
     return (
         f"{len(centroids)} horizontal levels, but nowhere two similar rises in a row from {low:.0f} to {high:.0f} mm "
         f"between flat surfaces whose centres are a going "
-        f"({_SHORTEST_GOING_M * 1000.0:.0f} to {_LONGEST_GOING_M * 1000.0:.0f} mm) apart "
+        f"({near:.0f} to {far:.0f} mm) apart "
         f"(rise/distance in mm: {seen}{more}); check the up direction, eps_z and m"
     )

@@ -10,9 +10,10 @@ from typing import Any
 
 from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.projects import KeptRun
+from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection
 from stair_inspector.params import Params
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.comparison import compare, comparison_html
 from stair_inspector.viewer.controls import title_of_setting
 from stair_inspector.viewer.desk import Desk, Editor, Shown

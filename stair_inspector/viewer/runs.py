@@ -8,9 +8,10 @@ from typing import Any, TypeVar
 
 from stair_inspector.errors import StairError
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.memo import Memo
 from stair_inspector.model import HeightOrder, Inspection, Scan
 from stair_inspector.params import Params, Unit
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.notices import Notices
 from stair_inspector.viewer.worker import Cancelled, Newest, Workshop
 

@@ -11,9 +11,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stair_inspector.errors import StairError
+from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection, Measured, Scan
 from stair_inspector.params import GROUPS, Knob, Params, fields_of, knob_of
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 
 SWEPT_SETTINGS = (
     "levels.eps_m",

@@ -17,9 +17,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from stair_inspector.files.settings import find_preset
+from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection
 from stair_inspector.params import Params, UncertaintyParams
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 from stair_inspector.simulate.scanner import scan as scan_building
 from stair_inspector.simulate.scenes import SCENES
 from stair_inspector.simulate.specs import PROFILES, Scanner, Stair

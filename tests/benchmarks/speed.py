@@ -19,9 +19,10 @@ import numpy as np
 from stair_inspector.geometry.clusters import cluster_sorted, find_reach
 from stair_inspector.geometry.normals import estimate_normals
 from stair_inspector.geometry.open3d import load_open3d
+from stair_inspector.memo import Memo
 from stair_inspector.model import Scan
 from stair_inspector.params import Params
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 from tests.synthetic import Stair, make_scan
 
 STAIR = Stair(n_steps=10, risers=True, noise=0.002, seed=7)

@@ -354,6 +354,8 @@ def test_json_of_the_flights():
         "pitch_deg": {"value": 31.26, "u": 0.3, "parts": {"noise": 0.1, "up": 0.28}},
         "width_m": {"value": 1.0, "u": 0.004, "parts": {"edge": 0.004}},
         "shape": "straight",
+        "radius_m": None,
+        "goes_on": None,
         "climb": [1.0, 0.0, 0.0],
         "rise": {
             "n": 4,

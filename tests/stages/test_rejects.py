@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
+from stair_inspector import priors
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Chains, Horizontal, Up
 from stair_inspector.params import FlightsParams, OverrulesParams, PatchesParams
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.rejects import (
-    STEEPEST_DEG,
     Forced,
     apply_overrules,
     explain_rejects,
@@ -161,7 +161,7 @@ def test_no_surfaces_have_no_reasons():
 def test_a_step_is_large_and_level_enough(depth, degrees, may):
     surface = rectangle((0.0, depth), (0.0, 0.4), 0.0, slope=(0.0, np.tan(np.radians(degrees))))
     assert lean_deg(surface) == pytest.approx(degrees)
-    assert STEEPEST_DEG == 12.0
+    assert priors.STEEPEST_TREAD_DEG == 12.0
     assert may_be_step(surface, LEAST_AREA_M2) == may
 
 

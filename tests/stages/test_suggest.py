@@ -9,8 +9,9 @@ import pytest
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.scans import read_scan
+from stair_inspector.memo import Memo
 from stair_inspector.params import FloorParams, Params, knob_of
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 from stair_inspector.stages import orient
 from stair_inspector.stages.suggest import suggest_settings
 from tests.synthetic import Stair, exact_params, make_scan, motion, rotation

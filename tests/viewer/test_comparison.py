@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from stair_inspector.errors import ConfigError
+from stair_inspector.memo import Memo
 from stair_inspector.model import Measured
 from stair_inspector.params import Params
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.comparison import Difference, compare, comparison_html
 from tests.synthetic import Stair, exact_params
 

@@ -7,8 +7,9 @@ from functools import cache
 import pytest
 
 from stair_inspector.errors import ConfigError
+from stair_inspector.memo import Memo
 from stair_inspector.params import GROUPS, Params, fields_of, knob_of
-from stair_inspector.pipeline import Memo, inspect
+from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.sensitivity import (
     SWEPT_QUANTITIES,
     SWEPT_SETTINGS,
