@@ -1,0 +1,306 @@
+"""Scans of known staircases, spoilt as real files are: each kind is a function from a seed to its variants."""
+
+import functools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stair_inspector.params import METRES_PER_UNIT, NAMED_UP
+from stair_inspector.simulate.scanner import SimulatedScan
+from stair_inspector.simulate.scanner import scan as scan_building
+from stair_inspector.simulate.scenes import SCENES
+from stair_inspector.simulate.specs import PROFILES, Scanner, Stair
+from stair_inspector.simulate.staircase import build, output_from_stair
+from tests.benchmarks import hostile_buildings as buildings
+from tests.synthetic import rotation
+
+Nosing = tuple[np.ndarray, np.ndarray]
+
+EVEN = Stair(
+    n_risers=7, rise_m=0.172, going_m=0.288, width_m=1.1, overhang_m=0.02, floor_front_m=2.2, upper_landing_m=1.6
+)
+"""Within every code that is held against it, by more than a millimetre."""
+UNEVEN = replace(EVEN, n_risers=8, rise_m=0.16, rise_errors_m="5:0.014")
+TLS = replace(PROFILES["tls_good"], spacing_m=0.007, standoff_m=1.8)
+YAWS_DEG = (0.0, 37.0, 45.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Variant:
+    """A scan in its file's own unit, and what is true of it.
+
+    ``points`` (n, 3) file unit; ``nosings`` the two ends of every true nosing, metres, in the file's frame; ``truths``
+    the true values of each, metres; ``uneven_step`` the step whose riser is out of the limits, where there is one.
+    """
+
+    name: str
+    points: np.ndarray
+    nosings: tuple[Nosing, ...] = ()
+    truths: tuple[dict[str, float | None], ...] = ()
+    uneven_step: int | None = None
+    is_partly_seen: bool = False
+
+    @property
+    def is_uneven(self) -> bool:
+        """Whether a riser is out of the limits of uniformity."""
+        return self.uneven_step is not None
+
+
+@functools.lru_cache(maxsize=8)
+def _scanned(stair: Stair, scanner: Scanner) -> SimulatedScan:
+    return scan_building(build(stair), scanner)
+
+
+def variant_of(
+    name: str,
+    stair: Stair,
+    scanner: Scanner,
+    turn: np.ndarray | None = None,
+    spoil: Callable[[np.ndarray], np.ndarray] = lambda points: points,
+    unit: str = "m",
+    shift_m: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    points_of: Callable[[SimulatedScan], np.ndarray] = lambda scan: scan.points,
+    uneven_step: int | None = None,
+    is_partly_seen: bool = False,
+) -> Variant:
+    """Scan a staircase, turn and shift it, give it another unit and spoil it, in this order."""
+    simulated = _scanned(stair, scanner)
+    motion = np.eye(3) if turn is None else turn
+    shift = np.array(shift_m)
+
+    def moved(points: np.ndarray) -> np.ndarray:
+        return points @ motion.T + shift
+
+    truths = [truth for truth in simulated.building.steps if not truth.is_missing]
+    nosings = [moved(output_from_stair(stair, np.array(truth.nosing))) for truth in truths]
+    values = []
+    for truth in truths:
+        is_landing = truth.kind == "landing"
+        values.append(
+            {
+                "rise": truth.rise_m,
+                "going": None if is_landing else truth.going_m,
+                "width": None if is_landing else truth.width_m,
+            }
+        )
+    points = spoil(moved(points_of(simulated)) / METRES_PER_UNIT[unit])
+    pairs = tuple((nosing[0], nosing[1]) for nosing in nosings)
+    return Variant(name, points, pairs, tuple(values), uneven_step, is_partly_seen)
+
+
+def on_step(step_m: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Coordinates rounded to a step, as decimals and integer formats leave them."""
+    return lambda points: np.round(points / step_m) * step_m
+
+
+def voxels(side_m: float) -> Callable[[np.ndarray], np.ndarray]:
+    """The centres of the cells of a lattice that hold a point."""
+    return lambda points: (np.unique(np.floor(points / side_m).astype(np.int64), axis=0) + 0.5) * side_m
+
+
+def yaw(degrees: float) -> np.ndarray:
+    """A turn about the vertical, (3, 3)."""
+    return rotation("z", degrees)
+
+
+def up_along(axis: str) -> np.ndarray:
+    """A turn (3, 3) that makes the vertical one of the file's axes."""
+    up = np.array(NAMED_UP[axis])
+    side = np.roll(np.abs(up), 1)
+    return np.stack([side, np.cross(up, side), up], axis=1)
+
+
+def rounded_finely(seed: int) -> Iterator[Variant]:
+    """Steps of 0.1 to 5 mm, as LAS, PTS and CSV files have them; even stairs and one with a tall riser."""
+    for k, step_m in enumerate((0.0001, 0.001, 0.002, 0.005)):
+        for angle in YAWS_DEG:
+            turn = yaw(angle)
+            name = f"{1000.0 * step_m:g} mm, yaw {angle:g}, seed {seed}"
+            yield variant_of(name, EVEN, replace(TLS, seed=seed), turn, on_step(step_m))
+        uneven = replace(TLS, seed=seed + 10)
+        yield variant_of(
+            f"uneven, {1000.0 * step_m:g} mm", UNEVEN, uneven, yaw(YAWS_DEG[k % 3]), on_step(step_m), uneven_step=5
+        )
+
+
+def rounded_coarsely(seed: int) -> Iterator[Variant]:
+    """Steps of 10 mm, and the centres of 10 and 20 mm voxels."""
+    for angle in YAWS_DEG:
+        for name, spoil in (
+            ("10 mm", on_step(0.01)),
+            ("voxels of 10 mm", voxels(0.01)),
+            ("voxels of 20 mm", voxels(0.02)),
+        ):
+            yield variant_of(f"{name}, yaw {angle:g}, seed {seed}", EVEN, replace(TLS, seed=seed), yaw(angle), spoil)
+
+
+def other_axes(seed: int) -> Iterator[Variant]:
+    """Up along every axis of the file, both ways."""
+    for axis in NAMED_UP:
+        yield variant_of(f"up {axis}, seed {seed}", EVEN, replace(TLS, seed=seed), up_along(axis) @ yaw(20.0 * seed))
+
+
+def other_units(seed: int) -> Iterator[Variant]:
+    """The five units, z up."""
+    for unit in METRES_PER_UNIT:
+        yield variant_of(f"{unit}, seed {seed}", EVEN, replace(TLS, seed=seed), yaw(20.0 * seed), unit=unit)
+
+
+def camera_views(seed: int) -> Iterator[Variant]:
+    """One frame of a depth camera in its optical frame (z forward, y down) before the foot of a stair with walls."""
+    rng = np.random.default_rng(seed)
+    for pitch in (0.0, 10.0, 20.0, 30.0, 40.0):
+        stair = replace(EVEN, n_risers=6, wall="both" if rng.uniform() < 0.5 else "left", ceiling=True)
+        camera = Scanner(
+            stations=1,
+            sensor_height_m=float(rng.uniform(1.0, 1.5)),
+            standoff_m=float(rng.uniform(1.0, 1.6)),
+            azimuth_step_deg=0.22,
+            elevation_step_deg=0.22,
+            azimuth_width_deg=80.0,
+            elevation_low_deg=-pitch - 30.0,
+            elevation_high_deg=-pitch + 30.0,
+            spacing_m=0.0,
+            noise_m=0.002,
+            seed=seed,
+        )
+        angle = np.radians(pitch)
+        forward = np.array([np.cos(angle), 0.0, -np.sin(angle)])
+        right = np.array([0.0, -1.0, 0.0])
+        turn = np.stack([right, np.cross(forward, right), forward])
+        yield variant_of(f"pitch {pitch:g}, seed {seed}", stair, camera, turn, is_partly_seen=True)
+
+
+def from_the_foot(seed: int) -> Iterator[Variant]:
+    """A long flight seen from its foot alone: most treads are above the scanner."""
+    for n_risers in (11, 14):
+        stair = replace(EVEN, n_risers=n_risers)
+        scanner = replace(TLS, stations=1, sensor_height_m=1.5, spacing_m=0.006, seed=seed)
+        yield variant_of(f"{n_risers} risers, seed {seed}", stair, scanner, is_partly_seen=True)
+
+
+def sparse(seed: int) -> Iterator[Variant]:
+    """Treads with 100 to 700 points, by thinning at random."""
+    stair = replace(EVEN, n_risers=9, rise_m=0.17 + 0.002 * (seed % 4), width_m=1.15)
+    for spacing_m in (0.02, 0.03, 0.04):
+        scanner = replace(TLS, spacing_m=spacing_m, seed=seed)
+        yield variant_of(f"{1000.0 * spacing_m:g} mm apart, seed {seed}", stair, scanner, yaw(30.0 * seed))
+
+
+def stations_apart(seed: int) -> Iterator[Variant]:
+    """Two stations that lie apart in height or sideways."""
+    for axis, apart_m in ((2, 0.006), (2, 0.012), (2, 0.02), (0, 0.012), (1, 0.015)):
+
+        def points_of(simulated: SimulatedScan, axis: int = axis, apart_m: float = apart_m) -> np.ndarray:
+            shift = np.zeros((len(simulated.points), 3))
+            shift[simulated.station_ids == 1, axis] = apart_m
+            return simulated.points + shift
+
+        name = f"{1000.0 * apart_m:g} mm along {'xyz'[axis]}, seed {seed}"
+        yield variant_of(name, EVEN, replace(TLS, seed=seed), points_of=points_of)
+
+
+def half_of_the_points(seed: int) -> Iterator[Variant]:
+    """Half of the points, and a third, at random."""
+    for share in (0.5, 0.33):
+
+        def thinned(points: np.ndarray, share: float = share) -> np.ndarray:
+            return points[np.random.default_rng(seed).uniform(size=len(points)) < share]
+
+        yield variant_of(f"{share:g}, seed {seed}", UNEVEN, replace(TLS, seed=seed), yaw(10.0), thinned, uneven_step=5)
+
+
+def far_in_float32(seed: int) -> Iterator[Variant]:
+    """Map coordinates kept in single precision."""
+    for shift in ((500_000.0, 5_800_000.0, 50.0), (4_000.0, 9_000.0, 20.0)):
+        yield variant_of(
+            f"{shift[1]:g} m, seed {seed}",
+            EVEN,
+            replace(TLS, seed=seed),
+            yaw(15.0),
+            lambda points: points.astype(np.float32).astype(np.float64),
+            shift_m=shift,
+        )
+
+
+def obstructed(seed: int) -> Iterator[Variant]:
+    """A cluttered stair between a wall and a handrail, under a ceiling."""
+    stair = replace(EVEN, n_risers=9, wall="left", ceiling=True, clutter=True, floor_width_m=2.6)
+    yield variant_of(
+        f"clutter, seed {seed}", stair, replace(TLS, stations=3, seed=seed), yaw(-50.0), is_partly_seen=True
+    )
+
+
+def _built(name: str, stair: buildings.Plain, built: buildings.Built, seed: int, turn: np.ndarray) -> Variant:
+    """A scan, by three stations, of a building that the simulator's own language has no words for."""
+    simulated = scan_building(built.building, replace(TLS, stations=3, seed=seed))
+    nosings = [nosing @ turn.T for nosing in built.nosings]
+    last = len(nosings) - 1
+    truths = tuple(
+        {
+            "rise": stair.rise_m,
+            "going": None if k == last else stair.going_m,
+            "width": None if k == last else stair.width_m,
+        }
+        for k in range(len(nosings))
+    )
+    return Variant(name, simulated.points @ turn.T, tuple((nosing[0], nosing[1]) for nosing in nosings), truths)
+
+
+def curved(seed: int) -> Iterator[Variant]:
+    """Stairs on an arc, left and right."""
+    stair = buildings.Plain(n_risers=9)
+    for k, radius_m in enumerate((2.0, 4.0, 7.0, 10.0)):
+        built = buildings.curved(stair, radius_m, is_left=(k + seed) % 2 == 0)
+        yield _built(f"radius {radius_m:g} m, seed {seed}", stair, built, seed, yaw(25.0 * seed))
+
+
+def of_bars(seed: int) -> Iterator[Variant]:
+    """Treads of bars with gaps, along and across the climb."""
+    stair = buildings.Plain()
+    for bar_m, gap_m in ((0.02, 0.03), (0.03, 0.06), (0.06, 0.012)):
+        for is_along in (True, False):
+            built = buildings.of_bars(stair, bar_m, gap_m, is_along)
+            way = "along" if is_along else "across"
+            name = f"bars of {1000.0 * bar_m:g}, gaps of {1000.0 * gap_m:g} mm {way}, seed {seed}"
+            yield _built(name, stair, built, seed, yaw(25.0 * seed))
+
+
+def stood_on(seed: int) -> Iterator[Variant]:
+    """A person or boxes on the treads."""
+    stair = buildings.Plain()
+    person, box = (3, 0.05, 0.45, 0.27, 1.75), (5, -0.2, 0.35, 0.25, 0.3)
+    for name, things in (("a person", (person,)), ("a box", (box,)), ("both", (person, box))):
+        yield _built(f"{name}, seed {seed}", stair, buildings.stood_on(stair, things), seed, yaw(25.0 * seed))
+
+
+def no_staircase(seed: int) -> Iterator[Variant]:
+    """A single riser, and rooms, ramps, kerbs, shelves and boxes; finely and coarsely sampled."""
+    for name, make in SCENES.items():
+        simulated = scan_building(make(), replace(TLS, seed=seed))
+        yield Variant(f"{name}, seed {seed}", simulated.points)
+        yield Variant(f"{name} on 5 mm, seed {seed}", on_step(0.005)(simulated.points))
+        yield Variant(f"{name} thinned, seed {seed}", simulated.points[:: 20 + seed])
+    simulated = scan_building(build(replace(EVEN, n_risers=1)), replace(TLS, seed=seed))
+    yield Variant(f"single riser, seed {seed}", simulated.points)
+
+
+KINDS: dict[str, Callable[[int], Iterator[Variant]]] = {
+    "coordinates on 0.1 to 5 mm": rounded_finely,
+    "coordinates on 10 and 20 mm": rounded_coarsely,
+    "other axes up": other_axes,
+    "other units": other_units,
+    "depth camera, level view": camera_views,
+    "seen from the foot": from_the_foot,
+    "sparse": sparse,
+    "stations apart": stations_apart,
+    "part of the points": half_of_the_points,
+    "float32 far away": far_in_float32,
+    "curved": curved,
+    "treads of bars": of_bars,
+    "things on the treads": stood_on,
+    "clutter beside": obstructed,
+    "no staircase": no_staircase,
+}
+"""All kinds by the name under which they are reported."""
