@@ -1,0 +1,70 @@
+"""What is said about a scan before it is measured."""
+
+import numpy as np
+import pytest
+
+from stair_inspector.stages.examine import examine, size_text
+from tests.stages.test_coordinate_steps import POINTS, UTM, as_float32, scan_of, voxels
+from tests.synthetic import rotation
+
+
+def said(points, unit="m"):
+    return examine(scan_of(points, unit)).observations
+
+
+def only(points, unit="m"):
+    (found,) = said(points, unit)
+    assert found.level == "doubt"
+    assert found.cure
+    return found
+
+
+@pytest.mark.parametrize("points", [POINTS, POINTS + UTM, as_float32(POINTS)], ids=["near", "utm", "float32"])
+def test_nothing_is_said_about_a_sound_scan(points):
+    assert said(points) == ()
+
+
+def test_a_step_far_below_the_noise_is_known_and_not_worth_a_word():
+    examined = examine(scan_of(POINTS.round(4)))
+    assert examined.observations == ()
+    np.testing.assert_allclose(examined.steps_m, 1e-4, rtol=1e-6)
+
+
+def test_rounded_coordinates():
+    found = only(POINTS.round(2))
+    assert (found.code, found.size_m) == ("coordinates_rounded", pytest.approx(0.01))
+    assert found.message == "the coordinates are rounded to 10 mm"
+    assert "0.0001" in found.cure
+
+
+def test_a_size_is_said_in_the_unit_of_the_file_too_where_that_is_not_metric():
+    assert only(np.round(POINTS / 0.0254 * 16.0) / 16.0, "in").message.endswith("rounded to 1.59 mm (0.0625 in)")
+
+
+def test_steps_that_differ_are_said_for_each_axis():
+    found = only(as_float32(POINTS + UTM))
+    assert (found.code, found.size_m) == ("float32_far_from_zero", 0.5)
+    assert "resolve only 31.2 mm in x, 0.5 m in y" in found.message
+    assert "double" in found.cure
+    assert "shift" in found.cure
+
+
+def test_a_lattice_upright_and_turned():
+    centres = voxels(POINTS, 0.02)
+    found = only(centres)
+    assert (found.code, found.size_m) == ("points_on_lattice", pytest.approx(0.02))
+    assert "voxels" in found.message
+    turned = only(centres @ rotation("z", 20.0).T)
+    assert (turned.code, turned.size_m) == ("points_on_lattice", pytest.approx(0.02))
+    assert "20 mm, turned against the axes" in turned.message
+
+
+def test_the_share_is_said_where_only_some_points_lie_on_it():
+    mixed = POINTS.copy()
+    mixed[: len(mixed) // 2] = mixed[: len(mixed) // 2].round(3)
+    assert only(mixed).message == "the coordinates of 50% of the points are rounded to 1 mm"
+
+
+@pytest.mark.parametrize(("size_m", "text"), [(0.0994, "99.4 mm"), (0.1, "0.1 m"), (0.004, "4 mm"), (1.25, "1.25 m")])
+def test_lengths_as_sentences_name_them(size_m, text):
+    assert size_text(size_m) == text
