@@ -321,7 +321,8 @@ def _measure(args: list[str]) -> int:
 
     def show(scan: "Scan", inspection: "Inspection", path: Path) -> int:
         found = _checked(inspection, rules)
-        _say(f"{_summary(inspection)}\n  {_wrote(scan, inspection, measure.out, path, found, basis)}\n")
+        wrote = _wrote(scan, inspection, measure.out, path, found, basis)
+        _say(f"{_examined(inspection)}{_summary(inspection)}\n  {wrote}\n")
         return 0
 
     return max(worst, _for_each(paths, measure, project, show))
@@ -351,7 +352,7 @@ def _check(args: list[str]) -> int:
 
         found = check(inspection, *rules)
         written = "" if folder is None else f"\n  {_wrote(scan, inspection, folder, path, found, basis)}"
-        _say(f"{scan.name} {check_text(found)}{written}\n")
+        _say(f"{_examined(inspection)}{scan.name} {check_text(found)}{written}\n")
         if found.is_outside:
             return 1
         if not found.is_judged and any(rule.severity != "report_only" for rule in rules[0].rules):
@@ -690,6 +691,16 @@ def _report(error: StairError) -> int:
     line = " ".join(str(error).split())
     print(f"stair-inspector: {line}", file=sys.stderr)
     return 2 if isinstance(error, (ConfigError, WriteError)) else 3
+
+
+def _examined(inspection: "Inspection") -> str:
+    """Return what was found about a scan before it was measured, a line for each; nothing where nothing was."""
+    if not inspection.examination:
+        return ""
+    from stair_inspector.report.examination import examination_lines
+
+    lines = [f"{inspection.scan.name} examined:", *(f"  {line}" for line in examination_lines(inspection))]
+    return "\n".join(lines) + "\n"
 
 
 def _summary(inspection: "Inspection") -> str:

@@ -530,3 +530,8 @@ class Inspection:
     def questions(self) -> tuple[Observation, ...]:
         """What has to be answered before a value is given."""
         return tuple(found for found in self.examination if found.level == "question")
+
+    @property
+    def is_withheld(self) -> bool:
+        """Whether the survey gives no value before its questions are answered; the paper's method always does."""
+        return self.params.method == "survey" and bool(self.questions)

@@ -15,6 +15,7 @@ from stair_inspector.stages.plumb import refine_up
 from stair_inspector.stages.rejects import apply_overrules
 from stair_inspector.stages.survey import measure_survey
 from stair_inspector.stages.verdict import conclude, conclude_survey
+from stair_inspector.stages.withhold import withhold
 
 
 def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
@@ -70,4 +71,5 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     shapes = memo.run("nosings", find_shapes, heights, horizontal, patches, chains, params.survey.of_edges)
     how_sure = (params.survey, params.uncertainty, params.display)
     survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, *how_sure)
-    return conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
+    concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
+    return withhold(concluded)

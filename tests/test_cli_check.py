@@ -1,22 +1,27 @@
 """``check`` and ``rules`` on the command line: exit codes, what is printed, what is written, one line for an error."""
 
+import dataclasses
 import json
 
 import pytest
 
 from stair_inspector.codes import check
 from stair_inspector.codes.text import check_text
+from stair_inspector.files import scans
 from stair_inspector.files.check_records import check_record
 from stair_inspector.files.paths import sample_scans, static_configs
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
 from stair_inspector.files.scans import read_scan
+from stair_inspector.model import Observation
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from tests.synthetic import Stair
-from tests.test_cli import refusal, run  # noqa: F401 - a fixture
+from tests.test_cli import UP_Z, refusal, run, stair_file  # noqa: F401 - fixtures
 
 STRAIGHT, DEFECTIVE = (sample_scans() / f"{name}.ply" for name in ("straight", "defective_step"))
+QUESTION = Observation("unit_unsure", "question", "inches or centimetres", None, "--unit in")
+DOUBT = Observation("sparse", "doubt", "a tread has 40 points", None, "--levels.eps-m 0.03")
 
 
 @pytest.fixture
@@ -114,6 +119,48 @@ def test_no_staircase_is_no_pass_and_exit_3(run, floor_file):  # noqa: F811
     assert "not measured" in out
     assert "which is no pass" in out
     assert err == f"stair-inspector: {floor_file}: nothing could be judged: no staircase was found\n"
+
+
+@pytest.fixture
+def asked_of(monkeypatch):
+    """Let every scan that is read from now on raise a question."""
+
+    def ask(*observations):
+        monkeypatch.setattr(
+            scans,
+            "read_scan",
+            lambda path, unit: dataclasses.replace(read_scan(path, unit), observations=observations),
+        )
+
+    return ask
+
+
+@pytest.mark.parametrize("command", ["check", "measure"])
+def test_what_was_found_about_the_scan_is_printed_first(run, tmp_path, asked_of, stair_file, command):  # noqa: F811
+    plainly = run(command, stair_file, *UP_Z, "--rules", "us-ibc-2024", "-o", tmp_path)
+    asked_of(DOUBT)
+    code, out, err = run(command, stair_file, *UP_Z, "--rules", "us-ibc-2024", "-o", tmp_path)
+    lines = out.splitlines(keepends=True)
+    assert lines[:2] == [
+        "stair.ply examined:\n",
+        "  doubt: a tread has 40 points; measure again with --levels.eps-m 0.03\n",
+    ]
+    assert (code, "".join(lines[2:]), err) == plainly
+
+
+def test_an_open_question_is_exit_3_and_no_verdict(run, tmp_path, asked_of, stair_file):  # noqa: F811
+    asked_of(DOUBT, QUESTION)
+    code, out, err = run("check", stair_file, *UP_Z, "--rules", "us-ibc-2024", "-o", tmp_path)
+    assert code == 3
+    assert err == (
+        f"stair-inspector: {stair_file}: nothing could be judged: a question about the scan has to be answered first: "
+        "inches or centimetres\n"
+    )
+    assert out.startswith("stair.ply examined:\n  question: inches or centimetres; answer it with --unit in\n  doubt:")
+    document = json.loads((tmp_path / "stair.json").read_text())
+    assert {found["verdict"] for found in document["check"]["findings"]} == {"not_judged", "not_assessed"}
+    assert [found["level"] for found in document["examination"]] == ["doubt", "question"]
+    assert {step["rise_m"] for step in document["steps"]} == {None}
 
 
 def test_the_papers_method_is_not_judged(run):  # noqa: F811

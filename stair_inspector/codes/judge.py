@@ -27,6 +27,7 @@ less. A convention of this program: the room alone, 3 in for a riser of 4 to 7 i
 _SIZES = ("rise", "going", "tread_depth", "width", "pitch", "two_r_plus_g", "flight_rise")
 """Quantities that are intended to be far from zero; of the others, as of every spread, the intended value is zero."""
 _WINDING = "winders and spirals are not judged: codes measure them on a walking line of their own"
+_ASKED = "a question about the scan has to be answered first"
 _TELLING_NOTES = (
     "uncertainty_unstated",
     "up_disagree",
@@ -129,6 +130,8 @@ class _Judge:
         """Return what one rule says, flight by flight."""
         if rule.from_scan == "no":
             return [Finding(rule, None, (), Verdict.NOT_ASSESSED, reason="not assessed from a scan: check it on site")]
+        if self._inspection.is_withheld:
+            return [Finding(rule, None, (), Verdict.NOT_JUDGED, reason=self._what_is_asked())]
         if not self._inspection.flights:
             return [Finding(rule, None, (), Verdict.NOT_MEASURED, reason=self._why_nothing())]
         findings = []
@@ -143,6 +146,9 @@ class _Judge:
     def has_landings(self) -> bool:
         """Whether a flight ends at a landing that was seen."""
         return any(_has_upper_end(self._steps_of(flight)) for flight in self._inspection.flights)
+
+    def _what_is_asked(self) -> str:
+        return f"{_ASKED}: {'; '.join(asked.message for asked in self._inspection.questions)}"
 
     def _why_nothing(self) -> str:
         if self._inspection.steps:

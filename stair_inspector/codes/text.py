@@ -53,11 +53,13 @@ def verdict_sentence(check: Check) -> str:
     if unsure and all(found.flight is None for found in unsure):
         # One reason, such as no staircase, stands for all rules: no count of values says more.
         reasons = dict.fromkeys(found.reason.partition(": ")[0] for found in unsure)
-        parts.append(f"nothing was measured, which is no pass: {', '.join(reasons)}")
+        is_withheld = any(found.verdict is Verdict.NOT_JUDGED for found in unsure)
+        what = "no value is given" if is_withheld else "nothing was measured"
+        parts.append(f"{what}, which is no pass: {', '.join(reasons)}")
     elif any(found.verdict is Verdict.NOT_MEASURED for found in unsure):
         count = sum(found.verdict is Verdict.NOT_MEASURED for found in unsure)
         parts.append(f"{count} value{' was' if count == 1 else 's were'} not measured, which is no pass")
-    if any(found.verdict is Verdict.NOT_JUDGED for found in unsure):
+    if any(found.verdict is Verdict.NOT_JUDGED and found.flight is not None for found in unsure):
         parts.append("what was not judged is no pass either")
     if check.rule_set.n_changed:
         count = check.rule_set.n_changed

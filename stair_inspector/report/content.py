@@ -93,7 +93,7 @@ def build(
         ("Settings and decisions", _settings(inspection)),
         ("Notes of the measurement", [grounds.notes_table(inspection)]),
         ("Surfaces found in the scan", [grounds.surfaces_table(inspection)]),
-        ("Quantities of the paper's method", [tables.paper_table(inspection)]),
+        ("Quantities of the paper's method", [] if inspection.is_withheld else [tables.paper_table(inspection)]),
     ]
     numbered = [(str(number), *section) for number, section in enumerate(_filled(sections), 1)]
     lettered = [(chr(ord("A") + k), *section) for k, section in enumerate(_filled(appendices))]
@@ -112,6 +112,11 @@ def build(
             for number, title, blocks in (*numbered, *lettered)
         ),
     )
+
+
+def _has_values(inspection: Inspection) -> bool:
+    """Return whether there is a value of the survey: where one is withheld, tables of dashes would say nothing."""
+    return bool(inspection.flights) and not inspection.is_withheld
 
 
 def _filled(sections: Iterable[tuple[str, list[Block]]]) -> list[tuple[str, list[Block]]]:
@@ -138,7 +143,7 @@ def _front(inspection: Inspection, check: Check | None, pictures: Pictures) -> l
 def _key_figures(inspection: Inspection) -> tuple[KeyFigure, ...]:
     """Return the numbers that one looks for first, over all flights."""
     flights = inspection.flights
-    if not flights:
+    if not _has_values(inspection):
         return ()
     found = [
         KeyFigure(
@@ -184,9 +189,9 @@ def _summary(inspection: Inspection, check: Check | None) -> list[Block]:
         changed = wording.changed_limits_sentence(check)
         if changed:
             blocks.append(Paragraph(changed, "remark"))
-    if inspection.flights:
+    if _has_values(inspection):
         blocks.append(tables.flights_table(inspection))
-    if check is not None and inspection.flights:
+    if check is not None and _has_values(inspection):
         blocks.append(rule_tables.results_table(check))
         blocks.append(Paragraph(_decision_words(check), "remark"))
     # Where nothing was measured a row for each rule would say the same as all others.
@@ -255,7 +260,7 @@ def _views(pictures: Pictures, basis: ReportBasis) -> list[Block]:
 
 
 def _steps(inspection: Inspection, check: Check | None, pictures: Pictures) -> list[Block]:
-    if not inspection.flights:
+    if not _has_values(inspection):
         return []
     return [
         tables.steps_table(inspection, check),
@@ -267,7 +272,7 @@ def _steps(inspection: Inspection, check: Check | None, pictures: Pictures) -> l
 
 
 def _uniformity(inspection: Inspection, pictures: Pictures) -> list[Block]:
-    return [tables.uniformity_table(inspection), *pictures.nosing_lines] if inspection.flights else []
+    return [tables.uniformity_table(inspection), *pictures.nosing_lines] if _has_values(inspection) else []
 
 
 def _check(inspection: Inspection, check: Check | None) -> list[Block]:
@@ -288,10 +293,10 @@ def _check(inspection: Inspection, check: Check | None) -> list[Block]:
     blocks: list[Block] = [Facts("rule_set", "Rule set", items, columns=1), Paragraph(_decision_words(check))]
     if rules.is_edited:
         blocks.append(rule_tables.edits_table(check))
-    if inspection.flights:
+    if _has_values(inspection):
         blocks.append(rule_tables.by_step_table(inspection, check))
     blocks.append(rule_tables.findings_table(check))
-    if inspection.flights:
+    if _has_values(inspection):
         blocks.append(rule_tables.fits_table(check))
     if check.notes:
         blocks.append(Bullets(tuple(note_words(note) for note in check.notes)))
@@ -299,13 +304,13 @@ def _check(inspection: Inspection, check: Check | None) -> list[Block]:
 
 
 def _closure(inspection: Inspection, basis: ReportBasis) -> list[Block]:
-    closure: list[Block] = [cross_checks.closure_table(inspection)] if inspection.flights else []
+    closure: list[Block] = [cross_checks.closure_table(inspection)] if _has_values(inspection) else []
     return [*closure, cross_checks.readings_table(inspection, basis)]
 
 
 def _accuracy(inspection: Inspection) -> list[Block]:
     sentences: list[Block] = [Paragraph(sentence) for sentence in wording.uncertainty_sentences(inspection)]
-    return [*sentences, *([grounds.budget_table(inspection)] if inspection.flights else [])]
+    return [*sentences, *([grounds.budget_table(inspection)] if _has_values(inspection) else [])]
 
 
 def _limitations(inspection: Inspection, check: Check | None, basis: ReportBasis) -> list[Block]:

@@ -110,6 +110,10 @@ def result_sentence(inspection: Inspection, check: Check | None) -> str:
     if not inspection.steps:
         reason = next((note.message for note in inspection.notes if note.code == "no_staircase"), "no staircase found")
         return note_sentence(reason)
+    if inspection.is_withheld:
+        asked = " ".join(note_sentence(found.message) for found in inspection.questions)
+        what = "no value is given" if check is None else "no value is given and nothing was judged"
+        return f"{stair} A question about the scan has to be answered first; {what}. {asked}"
     if check is None:
         return f"{stair} This report states measurements; no rule set was applied."
     return f"{stair} {plain(verdict_sentence(check))}"
@@ -159,7 +163,7 @@ def _edition_words(check: Check) -> str:
 
 def uncertainty_sentences(inspection: Inspection) -> tuple[str, ...]:
     """Return the statement on accuracy and uncertainty, in words."""
-    if not inspection.flights:
+    if not inspection.flights or inspection.is_withheld:
         return _sentences_without_u(inspection)
     sentences = [
         "Values marked ± are stated with their expanded uncertainty U: the standard uncertainty, combined from its "
@@ -190,6 +194,8 @@ def uncertainty_sentences(inspection: Inspection) -> tuple[str, ...]:
 def _sentences_without_u(inspection: Inspection) -> tuple[str, ...]:
     """Return what there is to say of the accuracy of a scan without values that have an uncertainty."""
     words = "Nothing was measured, and no uncertainty is stated."
+    if inspection.is_withheld:
+        words = "No value is given, and no uncertainty is stated."
     if inspection.params.method == "paper" and inspection.steps:
         words = (
             "The quantities of the paper's method are given without an uncertainty: the method states none. The RMS of "
@@ -279,7 +285,7 @@ def _loa_sentence(inspection: Inspection) -> list[str]:
 def limitation_sentences(inspection: Inspection, check: Check | None) -> tuple[str, ...]:
     """Return what the report does not say, as far as the program knows."""
     sentences = ["The report describes the surfaces that the scan shows, as they were on the day of the scan."]
-    if inspection.flights:
+    if inspection.flights and not inspection.is_withheld:
         sentences += [
             "Width is that of the treads between their side edges; the clear width between handrails or walls was not "
             "measured.",
@@ -293,14 +299,14 @@ def limitation_sentences(inspection: Inspection, check: Check | None) -> tuple[s
         )
     sentences += _doubtful_sentences(inspection)
     winding = [flight for flight in inspection.flights if flight.shape != "straight"]
-    if winding:
+    if winding and not inspection.is_withheld:
         numbers = numbers_of(flight.flight_id for flight in winding)
         sentences.append(
             f"Flight {numbers} winds. Its steps are measured about their own nosings; codes measure on a walking line, "
             "and no limit was judged there."
         )
     unseen = [step.step_id for step in inspection.steps if step.rise_m is None]
-    if unseen and inspection.params.method == "survey":
+    if unseen and inspection.params.method == "survey" and not inspection.is_withheld:
         sentences.append(f"Rise not measured: step {numbers_of(unseen)}. It may differ from the others.")
     if inspection.params.overrules.region.strip():
         sentences.append("Only the points in the region of interest were measured; appendix A gives its corners.")
@@ -337,6 +343,6 @@ def _stair_words(inspection: Inspection) -> str:
         return f"{steps} found."
     risers = sum(flight.n_risers for flight in inspection.flights)
     return (
-        f"{n_flights} flight{'' if n_flights == 1 else 's'} with {risers} riser{'' if risers == 1 else 's'} found "
-        "and measured."
+        f"{n_flights} flight{'' if n_flights == 1 else 's'} with {risers} riser{'' if risers == 1 else 's'} found"
+        f"{'' if inspection.is_withheld else ' and measured'}."
     )

@@ -134,8 +134,10 @@ class Results:
         desk, shown = self._desk, self._desk.shown
         if shown is None:
             return
-        step = step_of(shown.inspection, desk.selected) if shown.inspection.flights else None
-        self._panel.steps.pictures.content = card_pictures(shown.scan, shown.inspection, step, desk.palette, desk.unit)
+        inspection = shown.inspection
+        has_values = bool(inspection.flights) and not inspection.is_withheld
+        step = step_of(inspection, desk.selected) if has_values else None
+        self._panel.steps.pictures.content = card_pictures(shown.scan, inspection, step, desk.palette, desk.unit)
 
     def show_selection(self, *, with_pictures: bool = True) -> None:
         """Show the tables and everything about the chosen step or surface; its pictures may follow later."""

@@ -23,6 +23,7 @@ from stair_inspector.viewer.remarks import on_page
 from stair_inspector.viewer.step_marks import StepMark, mark_html
 
 NOT_OBSERVED = "not defined for this step, or not observed"
+WITHHELD = "withheld until the question about the scan is answered"
 LAST_OF_FLIGHT = "the last step of its flight has none"
 _TREAD_MISSING = "tread_missing"
 _WORDS = {"depth": ("back",), "overhang": ("back", "depth"), "width": ("side",), "pitch": ("going",)}
@@ -276,6 +277,8 @@ def _cell(measured: Measured | None, unit: Shown, why: str, worst: tuple[str, st
 
 def _why(inspection: Inspection, step: Step, quantity: str) -> str:
     """Return why a quantity of a step is missing: the notes about it, and never one about another quantity."""
+    if inspection.is_withheld:
+        return WITHHELD
     from_here_up = quantity in ("going", "pitch")
     about = []
     for note in inspection.notes:
