@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 from functools import cache
 from typing import Any
 
@@ -9,6 +10,12 @@ import pytest
 
 from stair_inspector.codes import Check, Finding, Rule, Verdict, check, gravest, overlaid
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
+from stair_inspector.model import Inspection
+from stair_inspector.report.document import SIGNS, Status, Table
+from stair_inspector.report.rule_tables import by_step_table
+from stair_inspector.report.tables import evidence_table, steps_table
+from stair_inspector.viewer.checks_html import steps_html
+from stair_inspector.viewer.step_marks import marks_of
 from tests.test_samples import PRESETS_MARKED, survey_sample, truth_of
 
 IN, CLOSE, OUT, OUT_CLOSE = Verdict.WITHIN, Verdict.WITHIN_CLOSE, Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE
@@ -158,3 +165,55 @@ def test_the_uncertainties_of_differences_and_spreads_hold_once_the_registration
             held.append(true - found.value <= found.u)
     assert len(held) >= 13
     assert sum(held) >= 0.95 * len(held)
+
+
+# --- the page and the report -----------------------------------------------------------------------------------------
+
+
+def marked_on_page(inspection: Inspection, result: Check) -> dict[int, str]:
+    """The sign that a step has in the page's results by step, where it has one."""
+    rows = re.findall(r'data-of="(\d+)"(.*?)</tr>', steps_html(inspection, result, None, None), re.DOTALL)
+    signs = {int(step): re.search(r'data-testid="mark"[^>]*>(.)</b>', row) for step, row in rows}
+    return {step: found[1] for step, found in signs.items() if found is not None}
+
+
+def outside_in(table: Table) -> dict[int, str]:
+    """The sign of the gravest verdict outside a limit that a row of the report's results by step has."""
+    told = {}
+    for row in table.rows:
+        cells = [cell for cell in row if isinstance(cell, Status) and cell.words in (OUT.words, OUT_CLOSE.words)]
+        if cells:
+            told[int(str(row[0]))] = SIGNS["bad" if any(cell.words == OUT.words for cell in cells) else "close"]
+    return told
+
+
+def toned_in(table: Table) -> dict[int, str]:
+    return {int(str(table.rows[row][0])): SIGNS[tone] for row, tone in table.tones}
+
+
+def every_set() -> list[Any]:
+    nfpa = find_rule_set("us-nfpa-101-uniformity")
+    return [*list_rule_sets(), *(overlaid(each, nfpa) for each in list_rule_sets() if not each.is_overlay)]
+
+
+@pytest.mark.parametrize("decision", ["guarded", "simple"])
+@pytest.mark.parametrize("name", PRESETS_MARKED)
+def test_the_report_calls_outside_the_steps_that_the_page_marks(name: str, decision: Any) -> None:
+    inspection = survey_sample(name)
+    for rule_set in every_set():
+        result = check(inspection, rule_set, decision)
+        marked = {step: mark.sign for step, mark in marks_of(inspection, result).items()}
+        assert marked_on_page(inspection, result) == marked
+        assert outside_in(by_step_table(inspection, result)) == marked, rule_set.set_id
+        assert toned_in(steps_table(inspection, result)) == toned_in(evidence_table(inspection, result)) == marked
+        # What is outside is so at a step, or is of a whole flight.
+        beyond = [found for found in result.findings if found.verdict.is_outside and found.rule.severity == "limit"]
+        assert bool(marked) is any(found.steps for found in beyond)
+        assert result.is_outside is bool(beyond)
+
+
+def test_the_report_says_which_steps_of_the_defective_stair_are_outside() -> None:
+    inspection = survey_sample("defective_step")
+    plainly = check(inspection, find_rule_set("us-irc-2024"))
+    # The range of the flight's rises and that of its goings are outside, and they are at the two odd steps.
+    assert set(outside_in(by_step_table(inspection, plainly))) == {3, 5, 7}

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from stair_inspector.codes.at_steps import findings_at_steps, outside_at_steps
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
 from stair_inspector.codes.rules import GRADES, Rule
 from stair_inspector.codes.text import limit_words, limits_text
@@ -166,13 +167,11 @@ def _shared_reason(check: Check, told: Sequence[Finding]) -> str:
 
 
 def by_step_table(inspection: Inspection, check: Check) -> Table:
-    """Return the verdict on every step by every rule that judges single steps or neighbours."""
-    rules = [
-        rule
-        for rule in check.rule_set.rules
-        if rule.statistic in ("each", "adjacent_difference")
-        and any(found.steps for found in check.of_rule(rule.rule_id))
-    ]
+    """Return what is said of every step by every rule that says something of single steps, as the page marks them."""
+    told = findings_at_steps(inspection, check)
+    outside = outside_at_steps(inspection, check)
+    named = {found.rule.rule_id for findings in told.values() for found in findings}
+    rules = [rule for rule in check.rule_set.rules if rule.rule_id in named]
     columns = (
         Column("Step", digits=0),
         *(
@@ -182,18 +181,30 @@ def by_step_table(inspection: Inspection, check: Check) -> Table:
     )
     rows: list[tuple[Cell, ...]] = []
     tones: list[tuple[int, Tone]] = []
-    for step in inspection.steps:
-        cells: list[Cell] = [step.step_id]
+    for step_id, findings in told.items():
+        cells: list[Cell] = [step_id]
         for rule in rules:
-            here = tuple(found for found in check.of_rule(rule.rule_id) if _is_about(found, step.step_id))
-            cells.append(status_of(gravest(here).verdict) if here else None)
+            here = tuple(found for found in findings if found.rule.rule_id == rule.rule_id)
+            cells.append(_status_at(gravest(here)) if here else None)
         row_tones = {cell.tone for cell in cells if isinstance(cell, Status)}
-        if row_tones & {"bad", "close"}:
-            tones.append((len(rows), "bad" if "bad" in row_tones else "close"))
+        if step_id in outside:
+            tones.append((len(rows), TONES[gravest(outside[step_id]).verdict]))
+        elif row_tones & {"bad", "close"}:
+            tones.append((len(rows), "close"))
         rows.append(tuple(cells))
-    note = "A difference of neighbours stands in the row of the upper of the two steps. – is not subject to the rule."
+    note = (
+        "A difference of neighbours, or the range of a flight, that is outside its limit stands at the step that is "
+        "farther from the median of its flight; one that is inside at both steps. – says nothing of this step."
+    )
     note += _edited_note(check)
     return Table("by_step", "Results by step", columns, tuple(rows), note, "No step was judged.", tuple(tones))
+
+
+def _status_at(found: Finding) -> Status:
+    """Return the verdict of a finding; advice is called so, because it makes no step one that is outside."""
+    status = status_of(found.verdict)
+    is_advice = found.rule.severity == "advisory" and found.verdict.is_outside
+    return Status(f"{status.words} (advice)", "close") if is_advice else status
 
 
 def fits_table(check: Check) -> Table:
@@ -287,10 +298,6 @@ def _edited_words(check: Check, found: Finding) -> str:
     if check.edit_behind(found) is None or found.limit is None:
         return ""
     return f"{found.side} {plain(found.limit.text)}, set by the user"
-
-
-def _is_about(found: Finding, step_id: int) -> bool:
-    return bool(found.steps) and found.steps[-1] == step_id
 
 
 def _counted(findings: tuple[Finding, ...]) -> str:

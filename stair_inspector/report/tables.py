@@ -1,8 +1,10 @@
 """The tables of what was measured: flights, steps, uniformity, and the quantities of the paper."""
 
 import statistics
+from collections.abc import Iterable
 
-from stair_inspector.codes.findings import Check, Verdict
+from stair_inspector.codes.at_steps import findings_at_steps, outside_at_steps
+from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
 from stair_inspector.codes.quantities import step_value
 from stair_inspector.model import Inspection, Statistics, Step
 from stair_inspector.report.cells import QUANTITY_WORDS, angles, lengths, mm, pair, rounded, with_u
@@ -102,6 +104,7 @@ def evidence_table(inspection: Inspection, check: Check | None) -> Table:
         Column("Plane RMS", "mm", 2),
         Column("Flags", width=1.6),
     )
+    told = {} if check is None else findings_at_steps(inspection, check)
     rows: list[tuple[Cell, ...]] = []
     for step in inspection.steps:
         rows.append(
@@ -115,7 +118,7 @@ def evidence_table(inspection: Inspection, check: Check | None) -> Table:
                 step.plane.n_points,
                 None if step.coverage is None else round(100.0 * step.coverage, 6),
                 mm(step.plane.rms_m),
-                _flags(inspection, check, step),
+                _flags(inspection, step, told.get(step.step_id, ())),
             )
         )
     note = (
@@ -213,33 +216,32 @@ def uniformity_table(inspection: Inspection) -> Table:
 
 
 def _tones(inspection: Inspection, check: Check | None) -> tuple[tuple[int, Tone], ...]:
-    """Return the tone of the rows of steps that lie outside a limit."""
-    tones: list[tuple[int, Tone]] = []
-    for row, step in enumerate(inspection.steps):
-        verdicts = {verdict for verdict, is_limit in _beyond(check, step).values() if is_limit and verdict.is_outside}
-        if verdicts:
-            tones.append((row, "bad" if Verdict.OUTSIDE in verdicts else "close"))
-    return tuple(tones)
+    """Return the tone of the rows of steps that are outside a limit."""
+    outside = {} if check is None else outside_at_steps(inspection, check)
+    return tuple(
+        (row, "bad" if gravest(outside[step.step_id]).verdict is Verdict.OUTSIDE else "close")
+        for row, step in enumerate(inspection.steps)
+        if step.step_id in outside
+    )
 
 
-def _beyond(check: Check | None, step: Step) -> dict[str, tuple[Verdict, bool]]:
-    """Return by words what of a step lies outside a limit or close to one, and whether that is a limit proper."""
-    found: dict[str, tuple[Verdict, bool]] = {}
-    for finding in () if check is None else check.of_step(step.step_id):
-        # The range of a flight says nothing of the single step.
-        if finding.rule.statistic == "flight_range" or finding.verdict not in _BEYOND:
+def _beyond(findings: Iterable[Finding]) -> dict[str, Verdict]:
+    """Return by words what of a step lies outside a limit or advice, or close to one."""
+    told: dict[str, Verdict] = {}
+    for found in findings:
+        if found.verdict not in _BEYOND:
             continue
-        words = QUANTITY_WORDS[finding.rule.quantity]
-        words += " to neighbour" if finding.rule.statistic == "adjacent_difference" else ""
-        known = found.get(words)
-        if known is None or _BEYOND.index(finding.verdict) < _BEYOND.index(known[0]):
-            found[words] = (finding.verdict, finding.rule.severity == "limit")
-    return found
+        words = QUANTITY_WORDS[found.rule.quantity]
+        words = {"adjacent_difference": f"{words} to neighbour", "flight_range": f"range of {words}"}.get(
+            found.rule.statistic, words
+        )
+        known = told.get(words)
+        if known is None or _BEYOND.index(found.verdict) < _BEYOND.index(known):
+            told[words] = found.verdict
+    return told
 
 
-def _flags(inspection: Inspection, check: Check | None, step: Step) -> str:
-    judged = [
-        f"{'✗' if verdict is Verdict.OUTSIDE else '≈'} {words}" for words, (verdict, _) in _beyond(check, step).items()
-    ]
+def _flags(inspection: Inspection, step: Step, findings: Iterable[Finding]) -> str:
+    judged = [f"{'✗' if verdict is Verdict.OUTSIDE else '≈'} {words}" for words, verdict in _beyond(findings).items()]
     notes = [f"N{number}" for number, note in enumerate(inspection.notes, 1) if note.step == step.step_id]
     return ", ".join([*judged, *notes])

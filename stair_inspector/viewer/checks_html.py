@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 
 from stair_inspector.codes import DECISIONS, Check, Finding, Fit, Rule, RuleEdit, RuleSet, Verdict, display_of, gravest
+from stair_inspector.codes.at_steps import findings_at_steps
 from stair_inspector.codes.rules import GRADES
 from stair_inspector.codes.text import gap_text, limit_words, value_text, verdict_sentence
 from stair_inspector.model import Inspection, Measured
@@ -17,7 +18,7 @@ from stair_inspector.report.units import M_PER_INCH, Unit, length_text, measured
 from stair_inspector.report.wording import verdict_of
 from stair_inspector.viewer.markup import CHOSEN, DIM, LINE, pick_script, text
 from stair_inspector.viewer.remarks import on_page
-from stair_inspector.viewer.step_marks import findings_at_steps, mark_html, marks_of, tone_css, tone_of
+from stair_inspector.viewer.step_marks import mark_html, marks_of, tone_css, tone_of
 
 RULE = "rule"
 """Word before a rule's number, from 1."""

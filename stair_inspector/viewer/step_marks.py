@@ -1,10 +1,9 @@
 """Which steps have a value outside a limit: marked by a sign, in words and by a colour, in the tables and the scene."""
 
 from dataclasses import dataclass
-from statistics import median
 
 from stair_inspector.codes import Check, Finding, Verdict, gravest
-from stair_inspector.codes.quantities import step_value
+from stair_inspector.codes.at_steps import outside_at_steps
 from stair_inspector.codes.text import value_text
 from stair_inspector.files.palettes import Rgb
 from stair_inspector.model import Inspection
@@ -25,8 +24,6 @@ MARKED: dict[Tone, str] = {
     "close": f"{SIGNS['close']} outside by less than U",
 }
 """What the marks mean, for legends."""
-_TIE_M = 1e-6
-"""Two steps that are as far from the median but for this are as odd."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,26 +43,10 @@ def marks_of(inspection: Inspection | None, check: Check | None) -> dict[int, St
     """Return a mark for every step that has a value outside a limit; advice does not count."""
     if inspection is None or check is None:
         return {}
-    marks = {}
-    for step_id, findings in findings_at_steps(inspection, check).items():
-        own = tuple(found for found in findings if found.verdict.is_outside and found.rule.severity == "limit")
-        if own:
-            words = "; ".join(_words_of(check, found) for found in own)
-            marks[step_id] = StepMark(tone_of(gravest(own).verdict), words)
-    return marks
-
-
-def findings_at_steps(inspection: Inspection, check: Check) -> dict[int, tuple[Finding, ...]]:
-    """Return what is said of every step, by its number.
-
-    Of two steps whose difference is too large, it is said of that which is farther from the flight's median: it is the
-    odd one. Where both are as far, it is said of both.
-    """
-    told: dict[int, list[Finding]] = {step.step_id: [] for step in inspection.steps}
-    for found in check.findings:
-        for step_id in _odd_ones(inspection, found) if found.verdict.is_outside else found.steps:
-            told[step_id].append(found)
-    return {step_id: tuple(findings) for step_id, findings in sorted(told.items())}
+    return {
+        step_id: StepMark(tone_of(gravest(own).verdict), "; ".join(_words_of(check, found) for found in own))
+        for step_id, own in outside_at_steps(inspection, check).items()
+    }
 
 
 def tone_of(verdict: Verdict) -> Tone:
@@ -86,18 +67,6 @@ def mark_html(mark: StepMark | None) -> str:
         f' <b data-testid="mark" role="img" aria-label="{text(mark.words)}" title="{text(mark.words)}" '
         f'style="color:{tone_css(mark.tone)}">{mark.sign}</b>'
     )
-
-
-def _odd_ones(inspection: Inspection, found: Finding) -> tuple[int, ...]:
-    if found.rule.statistic == "each" or len(found.steps) < 2:
-        return found.steps
-    values = {
-        step.step_id: value.value
-        for step in inspection.steps
-        if step.flight == found.flight and (value := step_value(step, found.rule.quantity)) is not None
-    }
-    away = {step_id: abs(values[step_id] - median(values.values())) for step_id in found.steps if step_id in values}
-    return tuple(step_id for step_id, far in away.items() if far >= max(away.values()) - _TIE_M)
 
 
 def _words_of(check: Check, found: Finding) -> str:

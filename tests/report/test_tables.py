@@ -310,7 +310,7 @@ def test_flags_name_what_lies_outside_and_the_notes_of_a_step():
     inspection = inspection_of(steps, notes=[("a", "first", None), ("b", "second", 2)])
     found = check(inspection, find_rule_set("us-ibc-2021"))
     rows = rows_of(tables.evidence_table(inspection, found))
-    assert rows[1]["Flags"] == "✗ rise, N2"
+    assert rows[1]["Flags"] == "✗ rise, ✗ range of rise, N2"
     assert rows[0]["Flags"] == ""
     assert tables.steps_table(inspection, found).tones == ((1, "bad"),)
 
