@@ -12,7 +12,7 @@ from stair_inspector.params import METRES_PER_UNIT
 
 Kind = Literal["", "float32", "rounded", "lattice"]
 
-_MOST_VALUES = 30_000
+_MOST_VALUES = 20_000
 _SCREENED = 3_000
 _MANTISSAS = (5.0, 2.5, 2.0, 1.0)
 _DECADES = range(0, -7, -1)
@@ -33,6 +33,7 @@ _DOUBLE = 4e-16
 _FLOAT32 = 2.0**-23
 
 _NEIGHBOURHOODS, _NEIGHBOURS = 5, 400
+_WINDOW_M = 0.25
 _SAME_DISTANCE = 0.01
 _TURNED_SHARE = 0.5
 _FINEST_LATTICE_M = 0.003
@@ -244,8 +245,7 @@ def _find_turned_lattice(points: Floats) -> tuple[float, float]:
     rng = np.random.default_rng(7)
     nearest_m = []
     for centre in rng.choice(len(points), _NEIGHBOURHOODS, replace=False):
-        around = np.abs(points - points[centre]).max(axis=1)
-        near = points[np.argpartition(around, _NEIGHBOURS)[:_NEIGHBOURS]]
+        near = _nearest(points, points[centre])
         apart = ((near[:, None, :] - near[None, :, :]) ** 2).sum(axis=2)
         np.fill_diagonal(apart, np.inf)
         inner = np.argsort(np.abs(near - points[centre]).max(axis=1))[: _NEIGHBOURS // 2]
@@ -260,3 +260,14 @@ def _find_turned_lattice(points: Floats) -> tuple[float, float]:
     every = np.concatenate(nearest_m)
     edge_m = float(np.median(every))
     return edge_m, float(np.mean(np.abs(every / edge_m - 1.0) <= _SAME_DISTANCE))
+
+
+def _nearest(points: Floats, centre: Floats) -> Floats:
+    """Return the points nearest to a place, by the largest difference of a coordinate."""
+    some = points[np.abs(points[:, 0] - centre[0]) <= _WINDOW_M]
+    some = some[np.abs(some[:, 1] - centre[1]) <= _WINDOW_M]
+    some = some[np.abs(some[:, 2] - centre[2]) <= _WINDOW_M]
+    if len(some) <= _NEIGHBOURS:
+        some = points
+    around = np.abs(some - centre).max(axis=1)
+    return np.asarray(some[np.argpartition(around, _NEIGHBOURS)[:_NEIGHBOURS]], dtype=np.float64)

@@ -2,13 +2,23 @@
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Examination, Observation, Scan
 from stair_inspector.params import METRES_PER_UNIT
 from stair_inspector.stages.coordinate_steps import CoordinateSteps, find_steps
+from stair_inspector.stages.copies import find_mirrored_copy, find_shifted_copy
+from stair_inspector.stages.density import find_spacing
+from stair_inspector.stages.layers import DoubledWay, find_doubled
 
 _LEAST_SAID_M = 0.0004
 """A smaller step adds less than 0.3 mm (k = 2) to a height and lies below the noise of every scanner of buildings."""
+_FEWEST = 500
+"""Of fewer points nothing more can be said."""
+_FINE = 0.2
+_POINTS_PER_TREAD = 100
+"""So many are enough to measure a tread."""
+_WIDTH_M = 1.0
 _CURES = {
     "coordinates_rounded": (
         "export once more with full precision: LAS or LAZ with a scale of 0.0001 m, E57 or PLY in double precision, "
@@ -22,6 +32,13 @@ _CURES = {
         "export in double precision, or with a shift that brings the coordinates near zero, as the global shift of "
         "CloudCompare or a project point of the scanner's program"
     ),
+    "surfaces_doubled": (
+        "register the stations once more, cloud to cloud against floor and walls, or measure each station by itself; "
+        "with a handheld or mobile scanner, close the loop and let its program adjust the path again"
+    ),
+    "cloud_copied": "take the copy out of the project, so that each station is exported once",
+    "cloud_mirrored": "take the mirrored copy out of the project; check that the axes were exported right-handed",
+    "points_sparse": "scan the stairs from nearer or with a finer resolution, or export without thinning",
 }
 
 
@@ -36,11 +53,30 @@ def examine(scan: Scan) -> Examination:
     Returns
     -------
     Examination
-        Observations, those of the reader first; the step of the coordinates on each axis. Without observations where
-        nothing is the matter.
+        Observations, those of the reader first; the step of the coordinates on each axis; the distance of doubled
+        surfaces. Without observations where nothing is the matter.
     """
     steps = find_steps(scan)
-    return Examination((*scan.observations, *_observe_steps(scan, steps)), steps.steps_m)
+    found = [*scan.observations, *_observe_steps(scan, steps)]
+    if len(scan.points) < _FEWEST:
+        return Examination(tuple(found), steps.steps_m)
+    doubled = find_doubled(scan.points, steps.steps_m)
+    # Rounded coordinates and lattices repeat every difference.
+    shift = None if steps.steps_m.any() else find_shifted_copy(scan.points)
+    if shift is not None:
+        found.append(_observe_copy(shift))
+    elif doubled:
+        found.append(_observe_doubled(doubled))
+    spacing_m = find_spacing(scan.points)
+    # On a coarse step, points that have nothing to do with each other are mirror images by chance.
+    axis = find_mirrored_copy(scan) if steps.steps_m.max() < _FINE * spacing_m else None
+    if axis is not None:
+        message = f"the cloud also holds a mirror image of itself across {'xyz'[axis]} = 0"
+        found.append(Observation("cloud_mirrored", "doubt", message, None, _CURES["cloud_mirrored"]))
+    tread_m2 = priors.USUAL_GOING_M * _WIDTH_M
+    if tread_m2 / spacing_m**2 < _POINTS_PER_TREAD:
+        found.append(_observe_sparse(spacing_m, round(tread_m2 / spacing_m**2)))
+    return Examination(tuple(found), steps.steps_m, max((way.apart_m for way in doubled), default=0.0))
 
 
 def size_text(size_m: float) -> str:
@@ -83,3 +119,29 @@ def _sizes(scan: Scan, steps_m: Floats) -> str:
         return size_text(float(said[0])) + ("" if scan.unit in ("m", "cm", "mm") else f" ({in_unit:.3g} {scan.unit})")
     named = zip("xyz", steps_m, strict=True)
     return ", ".join(f"{size_text(float(step_m))} in {axis}" for axis, step_m in named if step_m >= _LEAST_SAID_M)
+
+
+def _observe_doubled(doubled: tuple[DoubledWay, ...]) -> Observation:
+    """Say how far apart doubled surfaces lie."""
+    largest = max(doubled, key=lambda way: way.apart_m)
+    more = [way for way in doubled if way is not largest]
+    others = f" ({' and '.join(size_text(way.apart_m) for way in more)} those that face another way)" if more else ""
+    message = (
+        f"surfaces are double, {size_text(largest.apart_m)} apart{others}, on {largest.share:.0%} of what faces "
+        "that way: stations that do not lie over each other"
+    )
+    return Observation("surfaces_doubled", "doubt", message, largest.apart_m, _CURES["surfaces_doubled"])
+
+
+def _observe_copy(shift: Floats) -> Observation:
+    size_m = float(np.linalg.norm(shift))
+    message = f"the cloud holds itself twice, shifted by {size_text(size_m)}"
+    return Observation("cloud_copied", "doubt", message, size_m, _CURES["cloud_copied"])
+
+
+def _observe_sparse(spacing_m: float, per_tread: int) -> Observation:
+    message = (
+        f"points lie about {size_text(spacing_m)} apart: some {per_tread} on a tread of "
+        f"{priors.USUAL_GOING_M * 1000.0:.0f} x {_WIDTH_M * 1000.0:.0f} mm, where {_POINTS_PER_TREAD} are needed"
+    )
+    return Observation("points_sparse", "doubt", message, spacing_m, _CURES["points_sparse"])

@@ -5,7 +5,9 @@ import pytest
 
 from stair_inspector.stages.examine import examine, size_text
 from tests.stages.test_coordinate_steps import POINTS, UTM, as_float32, scan_of, voxels
-from tests.synthetic import rotation
+from tests.synthetic import Stair, rotation
+
+ABOVE = np.array([0.0, 0.0, 0.02])
 
 
 def said(points, unit="m"):
@@ -68,3 +70,39 @@ def test_the_share_is_said_where_only_some_points_lie_on_it():
 @pytest.mark.parametrize(("size_m", "text"), [(0.0994, "99.4 mm"), (0.1, "0.1 m"), (0.004, "4 mm"), (1.25, "1.25 m")])
 def test_lengths_as_sentences_name_them(size_m, text):
     assert size_text(size_m) == text
+
+
+def test_doubled_surfaces_are_said_with_their_distance():
+    other = Stair(n_steps=5, spacing=0.012, noise=0.002, risers=True, floor_depth=1.2, seed=9).sample()[0]
+    points = np.concatenate([POINTS, other + 0.75 * ABOVE])
+    found = only(points)
+    assert (found.code, found.size_m) == ("surfaces_doubled", pytest.approx(0.015, abs=5e-4))
+    assert found.message.startswith("surfaces are double, 1")
+    assert "register" in found.cure
+    assert examine(scan_of(points)).layers_m == found.size_m
+    assert examine(scan_of(POINTS)).layers_m == 0.0
+
+
+def test_a_copy_is_said_once_and_not_as_doubled_surfaces_too():
+    found = only(np.concatenate([POINTS, POINTS + ABOVE]))
+    assert (found.code, found.size_m) == ("cloud_copied", pytest.approx(0.02))
+    assert found.message == "the cloud holds itself twice, shifted by 20 mm"
+    assert examine(scan_of(np.concatenate([POINTS, POINTS + ABOVE]))).layers_m == pytest.approx(0.02, abs=5e-4)
+
+
+def test_a_mirror_image_is_said_with_its_axis():
+    found = only(np.concatenate([POINTS, POINTS * [-1.0, 1.0, 1.0]]))
+    assert found.code == "cloud_mirrored"
+    assert "across x = 0" in found.message
+    codes = [found.code for found in said(np.concatenate([POINTS, POINTS * [-1.0, 1.0, 1.0]]).round(3))]
+    assert codes == ["coordinates_rounded", "cloud_mirrored"]
+
+
+@pytest.mark.parametrize(("spacing", "is_sparse"), [(0.03, False), (0.045, False), (0.07, True)])
+def test_too_few_points_for_a_tread(spacing, is_sparse):
+    points = Stair(n_steps=8, spacing=spacing, noise=0.002, width=2.0, floor_depth=4.0, risers=True).sample()[0]
+    found = said(points)
+    assert [observation.code for observation in found] == ["points_sparse"] * is_sparse
+    if is_sparse:
+        assert found[0].size_m == pytest.approx(spacing, rel=0.2)
+        assert "where 100 are needed" in found[0].message

@@ -1,0 +1,242 @@
+"""Are surfaces double? Stations that were not registered well show everything twice, a little apart."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stair_inspector import priors
+from stair_inspector.geometry.arrays import Floats, Ints, freeze
+
+_MOST_POINTS = 100_000
+_CELL_M = 0.15
+_FEWEST_IN_CELL = 40
+_CLEARLY_FLAT, _FLAT = 0.5, 0.8
+"""Scatter across a surface, as a share of the lesser one along it. Two layers 60 mm apart still count as flat; so do
+many cells at edges, which therefore do not count as single where they are not double."""
+_SAME_WAY = 0.985
+"""Cosine of 10 degrees: the cells of surfaces that face one way."""
+_MOST_WAYS = 3
+_REACH_M = 0.075
+"""Points farther from the middle of their cell's surface are of another one."""
+_LEAST_PART = 0.15
+"""Each layer has at least this share of the points of its cell."""
+_LEAST_RATIO = 3.5
+"""Distance of two layers in units of their scatter: points spread evenly between two bounds have 2.9, noise 2.3."""
+_MOST_BETWEEN = 0.065
+"""Share of the points in the middle fifth between two layers; evenly spread points have 0.1."""
+_SAME_PLACE_M = 0.025
+"""Two layers lie over each other; a skirting board lies beside the wall that it stands before."""
+_FEWEST_CELLS = 10
+_LEAST_SHARE = 0.2
+_AGREEING = 0.6
+_SAME_PLANE_M = 0.03
+_LEAST_STEPS = 3.0
+"""Coordinates on a step lie in layers one and two steps apart."""
+_SURELY_NO_SLAB = 0.8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DoubledWay:
+    """Surfaces that face one way and are double: unit ``normal`` (3,), distance, share of the cells that show both."""
+
+    normal: Floats
+    apart_m: float
+    share: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Split:
+    """The points of cells cut in two across the surface: distance of the halves, and whether they are two layers."""
+
+    apart_m: Floats
+    is_double: "np.ndarray[tuple[int], np.dtype[np.bool_]]"
+    offset_m: Floats
+
+
+def find_doubled(points: Floats, steps_m: Floats) -> tuple[DoubledWay, ...]:
+    """Find the directions in which surfaces are double.
+
+    Parameters
+    ----------
+    points : (n, 3), metres
+        Any frame.
+    steps_m : (3,)
+        The step of the coordinates on each axis, which makes layers of its own.
+
+    Notes
+    -----
+    The points of each flat cell of 150 mm are cut in two across its surface where the halves differ most. Two layers
+    leave the middle empty; noise and unevenness do not. Surfaces are double if that happens at the same distance on
+    much of what faces one way, and on its largest plane as well: open treads show their undersides at one distance,
+    but the floor has none. What lies less than a slab's thickness apart needs no floor to be told from slabs.
+    """
+    some = points[:: -(-len(points) // _MOST_POINTS)]
+    found: list[DoubledWay] = []
+    for shift_m in (0.0, _CELL_M / 2.0):
+        cells = _Cells(some, shift_m)
+        for normal, members in cells.ways():
+            way = _judge(cells, normal, members, float(np.abs(normal) @ steps_m))
+            is_known = any(abs(float(way.normal @ other.normal)) > _SAME_WAY for other in found) if way else True
+            if way is not None and not is_known:
+                found.append(way)
+    return tuple(found)
+
+
+class _Cells:
+    """The points of a scan in cubic cells, those with enough points on something flat."""
+
+    def __init__(self, points: Floats, shift_m: float) -> None:
+        places = np.floor((points - points.min(axis=0) + shift_m) / _CELL_M).astype(np.int64)
+        n_y, n_z = places[:, 1].max() + 1, places[:, 2].max() + 1
+        keys = (places[:, 0] * n_y + places[:, 1]) * n_z + places[:, 2]
+        order = np.argsort(keys, kind="stable")
+        ordered = keys[order]
+        starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
+        counts = np.diff(np.append(starts, len(ordered)))
+        is_full = counts >= _FEWEST_IN_CELL
+        of_point = np.repeat(is_full, counts)
+        self.points = points[order][of_point]
+        self.counts = counts[is_full]
+        self.starts = np.cumsum(self.counts) - self.counts
+        self.normals, self.flatness = self._normals()
+
+    def _normals(self) -> tuple[Floats, Floats]:
+        """Return the normal of each cell and its scatter across, as a share of that along; infinite for a line."""
+        if not len(self.counts):
+            return np.zeros((0, 3)), np.zeros(0)
+        means = np.add.reduceat(self.points, self.starts) / self.counts[:, None]
+        off = self.points - np.repeat(means, self.counts, axis=0)
+        pairs = [np.add.reduceat(off[:, i] * off[:, j], self.starts) / self.counts for i in range(3) for j in range(3)]
+        values, vectors = np.linalg.eigh(np.stack(pairs, axis=1).reshape(-1, 3, 3))
+        spread = np.sqrt(np.maximum(values, 0.0))
+        is_wide = spread[:, 1] >= _CELL_M / 8.0
+        return vectors[:, :, 0], np.where(is_wide, spread[:, 0] / np.maximum(spread[:, 1], _CELL_M / 8.0), np.inf)
+
+    def ways(self) -> list[tuple[Floats, Ints]]:
+        """Return the directions that most flat cells face, each with its cells."""
+        left = np.flatnonzero(self.flatness <= _CLEARLY_FLAT)
+        flat = np.flatnonzero(self.flatness <= _FLAT)
+        ways: list[tuple[Floats, Ints]] = []
+        while len(left) >= _FEWEST_CELLS and len(ways) < _MOST_WAYS:
+            tried = self.normals[left[:: -(-len(left) // 300)]]
+            agree = np.abs(tried @ self.normals[left].T) >= _SAME_WAY
+            is_own = agree[int(agree.sum(axis=1).argmax())]
+            if np.count_nonzero(is_own) < _FEWEST_CELLS:
+                break
+            own = self.normals[left[is_own]]
+            # The middle of those nearest to it: cells at edges lean.
+            closeness = np.abs(own @ _middle(own))
+            normal = _middle(own[closeness >= np.median(closeness)])
+            ways.append((normal, flat[np.abs(self.normals[flat] @ normal) >= _SAME_WAY]))
+            left = left[~is_own]
+        return ways
+
+    def split(self, normal: Floats, members: Ints) -> _Split:
+        """Cut the points of the cells ``members`` in two along ``normal``."""
+        across = np.eye(3)[int(np.abs(normal).argmin())]
+        first = np.cross(normal, across)
+        first /= np.linalg.norm(first)
+        axes = np.stack([normal, first, np.cross(normal, first)])
+        counts = self.counts[members]
+        rows = np.repeat(self.starts[members] - (np.cumsum(counts) - counts), counts) + np.arange(counts.sum())
+        number = np.repeat(np.arange(len(members)), counts)
+        r, a, b = axes @ self.points[rows].T
+        order = np.lexsort((r, number))
+        r, a, b = r[order], a[order], b[order]
+        starts = np.cumsum(counts) - counts
+        middle = r[starts + counts // 2]
+        is_near = np.abs(r - middle[number]) <= _REACH_M
+        r, a, b, number = (values[is_near] for values in (r, a, b, number))
+        counts = np.bincount(number, minlength=len(members))
+        starts = np.cumsum(counts) - counts
+        place = np.arange(len(r)) - starts[number]
+        low = self._cut(r, number, place, starts, counts)
+        return self._compare(r, np.stack([a, b]), number, place, starts, counts, low, middle)
+
+    @staticmethod
+    def _cut(r: Floats, number: Ints, place: Ints, starts: Ints, counts: Ints) -> Ints:
+        """Return how many points of each cell lie in the lower half, by the largest scatter between the halves."""
+        base = r[starts]
+        total = np.cumsum(r - base[number])
+        before = np.concatenate([[0.0], total])[starts]
+        sums = total - before[number]
+        n_low = place + 1.0
+        n_all = counts[number]
+        n_high = np.maximum(n_all - n_low, 1.0)
+        whole = (total[starts + counts - 1] - before)[number]
+        between = n_low * n_high / n_all**2 * ((whole - sums) / n_high - sums / n_low) ** 2
+        part = n_low / n_all
+        between[(part < _LEAST_PART) | (part > 1.0 - _LEAST_PART)] = 0.0
+        best = np.maximum.reduceat(between, starts)
+        is_best = np.flatnonzero(between == best[number])
+        low = np.zeros(len(starts), dtype=np.int64)
+        low[number[is_best][::-1]] = place[is_best][::-1] + 1
+        return np.clip(low, 1, np.maximum(counts - 1, 1))
+
+    @staticmethod
+    def _compare(
+        r: Floats, plan: Floats, number: Ints, place: Ints, starts: Ints, counts: Ints, low: Ints, middle: Floats
+    ) -> _Split:
+        def quantile(begin: Ints, length: Ints, share: float) -> Floats:
+            return r[begin + np.minimum((share * length).astype(np.int64), length - 1)]
+
+        high = np.maximum(counts - low, 1)
+        upper = np.minimum(starts + low, starts + counts - 1)
+        centre_low, centre_high = quantile(starts, low, 0.5), quantile(upper, high, 0.5)
+        scatter = 0.25 * (
+            quantile(starts, low, 0.84)
+            - quantile(starts, low, 0.16)
+            + quantile(upper, high, 0.84)
+            - quantile(upper, high, 0.16)
+        )
+        apart = centre_high - centre_low
+        is_low = place < low[number]
+        sums_low = np.stack([np.bincount(number[is_low], row[is_low], len(counts)) for row in plan])
+        sums_all = np.stack([np.bincount(number, row, len(counts)) for row in plan])
+        aside = np.abs(sums_low / low - (sums_all - sums_low) / high).max(axis=0)
+        off_centre = np.abs(r - 0.5 * (centre_low + centre_high)[number])
+        between = np.bincount(number[off_centre <= 0.1 * apart[number]], minlength=len(counts)) / counts
+        is_double = (apart >= _LEAST_RATIO * scatter) & (between <= _MOST_BETWEEN) & (aside <= _SAME_PLACE_M)
+        return _Split(apart, is_double, middle)
+
+
+def _middle(normals: Floats) -> Floats:
+    """Return the middle of directions without a sign."""
+    return np.asarray(np.linalg.eigh(normals.T @ normals)[1][:, 2], dtype=np.float64)
+
+
+def _judge(cells: _Cells, normal: Floats, members: Ints, step_m: float) -> DoubledWay | None:
+    """Return how surfaces that face one way are double, None where they are not."""
+    split = cells.split(normal, members)
+    apart = np.sort(split.apart_m[split.is_double])
+    if len(apart) < _FEWEST_CELLS:
+        return None
+    # The distance on which most agree, to a tenth and a millimetre.
+    width = np.searchsorted(apart, 1.1 * apart + 0.001, side="right") - np.arange(len(apart))
+    first = int(width.argmax())
+    agreeing = apart[first : first + width[first]]
+    apart_m = float(np.median(agreeing))
+    is_one = split.is_double & (split.apart_m >= agreeing[0]) & (split.apart_m <= agreeing[-1])
+    counts = is_one | (cells.flatness[members] <= _CLEARLY_FLAT)
+    share = float(is_one.sum() / counts.sum())
+    if (
+        len(agreeing) < max(_FEWEST_CELLS, _AGREEING * len(apart))
+        or share < _LEAST_SHARE
+        or apart_m < _LEAST_STEPS * step_m
+    ):
+        return None
+    if (
+        apart_m >= _SURELY_NO_SLAB * priors.SLAB_THICKNESS_M[0]
+        and _share_on_largest(split.offset_m[counts], is_one[counts]) < _LEAST_SHARE
+    ):
+        return None
+    return DoubledWay(freeze(normal.copy()), apart_m, share)
+
+
+def _share_on_largest(offset_m: Floats, is_one: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> float:
+    """Return the share of doubled cells on the plane that has most cells."""
+    order = np.argsort(offset_m)
+    plane = np.concatenate([[0], np.cumsum(np.diff(offset_m[order]) > _SAME_PLANE_M)])
+    sizes = np.bincount(plane)
+    largest = order[plane == int(sizes.argmax())]
+    return float(is_one[largest].mean())
