@@ -53,7 +53,8 @@ class Scan:
 
     ``points`` (n, 3) local; ``origin_m`` (3,) what was subtracted, metres in the scan frame; ``colors`` (n, 3) uint8
     or None; ``normals`` (n, 3) unit vectors given by the file, or None; ``n_points`` how many the file held, before
-    non-finite points and exact duplicates were dropped. ``observations`` are what reading it already shows.
+    non-finite points and exact duplicates were dropped. ``observations`` are what reading it already shows;
+    ``repeats`` (n,) how often the file holds each point, None where every point is distinct.
     """
 
     points: Floats
@@ -66,6 +67,7 @@ class Scan:
     normals: Floats | None = None
     notes: tuple[Note, ...] = ()
     observations: tuple[Observation, ...] = ()
+    repeats: Ints | None = None
 
     def __post_init__(self) -> None:
         n = len(self.points)
@@ -75,6 +77,8 @@ class Scan:
             object.__setattr__(self, "colors", own(self.colors, (n, 3), "colors", np.uint8))
         if self.normals is not None:
             object.__setattr__(self, "normals", own(self.normals, (n, 3), "normals"))
+        if self.repeats is not None:
+            object.__setattr__(self, "repeats", own(self.repeats, (n,), "repeats", np.int64))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -223,7 +227,8 @@ class LocalPlane:
 
     ``covariance`` (3, 3) comes from the scatter of the means of blocks, so that noise which is the same over a whole
     block counts as it must; ``sigma_m`` is the noise of single points, ``spacing_m`` their distance, ``misfit_m`` how
-    far the surface itself departs from the plane, beyond what noise explains.
+    far the surface itself departs from the plane, beyond what noise explains; ``layers_m`` how far apart two layers of
+    points lie that cover the same places, 0 where there is one.
     """
 
     z0_m: float
@@ -233,6 +238,7 @@ class LocalPlane:
     spacing_m: float
     misfit_m: float
     n_points: int
+    layers_m: float = 0.0
 
     def at(self, s_m: float, w_m: float) -> float:
         """Return the height at a place of the step's frame, metres."""

@@ -7,6 +7,7 @@ from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
+from stair_inspector.stages.dither import spread_steps
 from stair_inspector.stages.examine import examine
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.nosings import find_shapes
@@ -65,11 +66,15 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     )
     if params.method == "paper":
         return found
+    spread = memo.run("dither", spread_steps, scan, examined, heights, horizontal, levels)
+    heights, horizontal, levels = spread.heights, spread.horizontal, spread.levels
     patches = memo.run("patches", split_levels, horizontal, levels, params.patches, params.levels)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
     chains = memo.run("flights", find_chains, patches, params.flights, params.patches.min_area_m2, forced)
-    shapes = memo.run("nosings", find_shapes, heights, horizontal, patches, chains, params.survey.of_edges)
+    of_points = (heights, horizontal, patches, chains, params.survey.of_edges, spread.is_stepped)
+    shapes = memo.run("nosings", find_shapes, *of_points)
     how_sure = (params.survey, params.uncertainty, params.display)
-    survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, *how_sure)
+    of_scan = (patches, chains, shapes, steps, up, forced, *how_sure, examined)
+    survey = memo.run("survey", measure_survey, horizontal, *of_scan)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
     return withhold(concluded)

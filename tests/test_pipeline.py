@@ -30,9 +30,10 @@ WITHIN = 5.0
 NOISY = Stair(noise=NOISE, seed=21)
 FROM_HORIZONTAL = ["horizontal", "reach", "levels", "surfaces", "axes", "extents", "edges", "nearest", "paper"]
 SURVEY = ["patches", "overrules", "flights", "nosings", "survey"]
+SPREAD = ["dither", *SURVEY]
 BY_PAPER = ["examination", "normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
 # The order by height comes after the comparison of floor and treads, which is made only where up is not given.
-ALL_STAGES = ["examination", "normals", "up", "plumb", *BY_PAPER[3:], *SURVEY]
+ALL_STAGES = ["examination", "normals", "up", "plumb", *BY_PAPER[3:], *SPREAD]
 
 
 def result_of(inspection):
@@ -510,9 +511,9 @@ def test_memo_gives_what_a_plain_run_gives_through_a_drag_over_all_sliders():
         ("up", ["up", *ALL_STAGES[4:]]),
         ("floor.distance_m", ALL_STAGES[2:]),
         ("overrules.region", ALL_STAGES[4:]),
-        ("horizontal.theta_deg", [*FROM_HORIZONTAL, "profile", *SURVEY]),
-        ("levels.eps_m", [*FROM_HORIZONTAL[1:], *SURVEY]),
-        ("levels.min_points", [*FROM_HORIZONTAL[2:], *SURVEY]),
+        ("horizontal.theta_deg", [*FROM_HORIZONTAL, "profile", *SPREAD]),
+        ("levels.eps_m", [*FROM_HORIZONTAL[1:], *SPREAD]),
+        ("levels.min_points", [*FROM_HORIZONTAL[2:], *SPREAD]),
         # A step of the survey carries the paper's values too, so its last stage runs again; its search does not.
         ("axes.rule", ["axes", "extents", "edges", "paper", "survey"]),
         # The survey looks for the floor among several planes.

@@ -3,8 +3,8 @@
 Lengths are metres, angles degrees, slopes tangents. Every ``Measured`` here carries its expanded uncertainty (k = 2)
 and its parts. The parts of :mod:`stages.doubt` fall into two kinds:
 
-- ``noise``, ``edge`` and ``registration`` belong to single surfaces and nosings: independent from place to place, so
-  they add as squares; two values that share a nosing share its part;
+- ``noise``, ``edge``, ``resolution``, ``layers`` and ``registration`` belong to single surfaces and nosings:
+  independent from place to place, so they add as squares; two values that share a nosing share its part;
 - ``up`` and ``scale`` are one error of the whole scan: they add with their signs, and cancel in a difference.
 """
 
@@ -15,7 +15,7 @@ from statistics import NormalDist
 
 from stair_inspector.model import Measured, Step
 
-OWN_PARTS = ("noise", "edge", "registration")
+OWN_PARTS = ("noise", "edge", "resolution", "layers", "registration")
 """Parts that are independent from nosing to nosing."""
 COMMON_PARTS = ("up", "scale")
 """Parts that are one error of the whole scan."""
@@ -181,7 +181,9 @@ def total(rises: Sequence[Measured]) -> Measured:
     """Return the sum of the rises of a flight: of the nosings only the first and the last count."""
     first, last = rises[0], rises[-1]
     parts = {
-        name: math.sqrt((part_of(first, name) ** 2 + part_of(last, name) ** 2) / 2.0) for name in ("noise", "edge")
+        name: math.sqrt((part_of(first, name) ** 2 + part_of(last, name) ** 2) / 2.0)
+        for name in OWN_PARTS
+        if name != "registration"
     }
     # From surface to surface registration may drift.
     parts["registration"] = math.sqrt(sum(part_of(rise, "registration") ** 2 for rise in rises))

@@ -141,6 +141,16 @@ def first_occurrences(points: Floats) -> NDArray[np.bool_]:
     return keep
 
 
+def count_repeats(points: Floats, is_first: NDArray[np.bool_]) -> Ints:
+    """Return how often each of the points that :func:`first_occurrences` marks occurs, in their order."""
+    order = np.lexsort(points.T)
+    begins = np.concatenate([[True], (points[order[1:]] != points[order[:-1]]).any(axis=1)])
+    group_of = np.zeros(len(points), dtype=np.int64)
+    group_of[order] = np.cumsum(begins) - 1
+    counts: Ints = np.bincount(group_of).take(group_of[is_first])
+    return counts
+
+
 def _hash(points: Floats) -> NDArray[np.uint64]:
     """Mix the bits of three coordinates; coordinates from float32 have 29 low zeros, hence the shifts."""
     code = np.zeros(len(points), dtype=np.uint64)

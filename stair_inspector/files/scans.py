@@ -12,12 +12,19 @@ from pathlib import Path
 import numpy as np
 
 from stair_inspector.errors import ReadError
-from stair_inspector.files.cleaning import check_range, first_occurrences, guess_unit, to_local_metres, unit_normals
+from stair_inspector.files.cleaning import (
+    check_range,
+    count_repeats,
+    first_occurrences,
+    guess_unit,
+    to_local_metres,
+    unit_normals,
+)
 from stair_inspector.files.pcd_scan import is_pcd, read_pcd
 from stair_inspector.files.ply_scan import is_ply, read_ply
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, shown
 from stair_inspector.files.text_scan import is_text, read_text
-from stair_inspector.geometry.arrays import Colors, Floats
+from stair_inspector.geometry.arrays import Colors, Floats, Ints
 from stair_inspector.model import Note, Scan
 from stair_inspector.params import Unit, check_value
 
@@ -219,7 +226,9 @@ def _to_scan(raw: RawCloud, unit: Unit, name: str, sha256: str) -> Scan:
         known = unit
     local, origin_m = to_local_metres(finite, known)
     is_first = first_occurrences(local)
+    repeats: Ints | None = None
     if not is_first.all():
+        repeats = count_repeats(local, is_first)
         n_repeats = len(local) - int(is_first.sum())
         notes.append(_dropped("duplicates_dropped", n_repeats, n_points, "exact duplicates of another"))
         local, kept = local[is_first], kept[is_first]
@@ -240,6 +249,7 @@ def _to_scan(raw: RawCloud, unit: Unit, name: str, sha256: str) -> Scan:
         colors=colors,
         normals=normals,
         notes=tuple(notes),
+        repeats=repeats,
     )
 
 

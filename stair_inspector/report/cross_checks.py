@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stair_inspector.codes.quantities import combined, part_of
+from stair_inspector.codes.quantities import OWN_PARTS, combined, part_of
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Measured, Step
 from stair_inspector.report.cells import QUANTITY_WORDS, lengths, mm, with_u
@@ -106,9 +106,9 @@ def _of_the_ends(value_m: float, rises: Measured) -> Measured:
     """Return a difference of two heights between the same places, with what of the rises' uncertainty is left in it.
 
     Both heights have the same vertical and scale. The points at the nosings are not all of the surface's, and may have
-    been seen from other stations: noise, edge and registration stay.
+    been seen from other stations: all but those two stays.
     """
-    parts = {name: part_of(rises, name) for name in ("noise", "edge", "registration")}
+    parts = {name: part_of(rises, name) for name in OWN_PARTS}
     return combined(value_m, parts)
 
 

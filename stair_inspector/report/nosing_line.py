@@ -12,6 +12,7 @@ from stair_inspector.model import Flight, Inspection, Measured, Step
 
 FEWEST_NOSINGS = 3
 """Two nosings always lie on one line."""
+_OWN = ("noise", "resolution", "layers")
 _JOINED_M = 0.06
 """A flight begins at the landing whose nosing lies within this height of the foot of its first riser."""
 
@@ -113,10 +114,10 @@ def _own_u(step: Step, pitch: float) -> float:
     """Return the expanded uncertainty of one nosing's place square to the line: a step's values have two ends each."""
     if step.rise_m is None:
         return math.nan
-    across = _part(step.rise_m, "noise") * math.cos(pitch)
+    across = math.hypot(*(_part(step.rise_m, name) for name in _OWN)) * math.cos(pitch)
     along = 0.0
     if step.going_m is not None:
-        along = math.hypot(_part(step.going_m, "noise"), _part(step.going_m, "edge")) * math.sin(pitch)
+        along = math.hypot(*(_part(step.going_m, name) for name in (*_OWN, "edge"))) * math.sin(pitch)
     return math.hypot(across, along) / math.sqrt(2.0)
 
 

@@ -11,6 +11,13 @@ from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_extent
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
 from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
+from stair_inspector.stages.hidden import (
+    UNSEEN_M,
+    WINDING_DEG,
+    with_common_sides,
+    with_doubtful_fronts,
+    with_wedge_sides,
+)
 from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.patches import fit_trimmed
 from stair_inspector.stages.planes import FINE_M, STRIP_M, block_means, fit_local, plane_of
@@ -30,8 +37,6 @@ _SLAB_M = 0.05
 _DEEPEST_OVERHANG_M = 0.06
 _BESIDE_M = 0.15
 _STRAIGHT_ON_DEG = 10.0
-_WINDING_DEG = 8.0
-"""A flight winds where its direction turns by more from step to step; the edges of patches are that uncertain."""
 _MOST_NEAR = 60_000
 """Points beyond which a step's plane and edges become no better, only slower."""
 _OBSTRUCTED_M = 0.015
@@ -51,11 +56,7 @@ _STRIP_SIGMAS, _LEAST_ODD_M = 3.0, 0.005
 _STRIP_POSE_SIGMA, _MOST_WORN_M = 0.2, 0.01
 """What passes of a scanner leave between parts of a strip, as a share of the noise; deeper is not wear but damage."""
 _FEWEST_IN_STRIP = 10
-_FEWEST_FOR_SIDES = 3
-_SIDE_DIFFERS_M = 0.05
-_WEDGE_M = 0.05
-"""Standard uncertainty of either end of a winder's nosing."""
-_UNSEEN_M, _UNSEEN_SLOPE = 0.03, 0.02
+_UNSEEN_SLOPE = 0.02
 _INSET_M = 0.03
 _NOISY_M = 0.004
 _REFIT_GROWTH = 1.5
@@ -76,7 +77,12 @@ class _Near:
 
 
 def find_shapes(
-    heights: HeightOrder, horizontal: Horizontal, patches: Patches, chains: Chains, params: SurveyParams
+    heights: HeightOrder,
+    horizontal: Horizontal,
+    patches: Patches,
+    chains: Chains,
+    params: SurveyParams,
+    is_stepped: bool = False,
 ) -> tuple[tuple[StepShape, ...], ...]:
     """Find the plane and the edges of every step.
 
@@ -88,6 +94,8 @@ def find_shapes(
         Of the same scan.
     params : SurveyParams
         Evidence and tolerance.
+    is_stepped : bool
+        Whether the coordinates were rounded to steps, over which they have been spread.
 
     Returns
     -------
@@ -100,7 +108,7 @@ def find_shapes(
         chain = chains.chains[number]
         after = flight_after(chains, number)
         above = None if after is None else shapes[after][0]
-        shapes[number] = _shapes_of(heights, horizontal, patches, chain, above, params)
+        shapes[number] = _shapes_of(heights, horizontal, patches, chain, above, params, is_stepped)
     return tuple(shapes[number] for number in range(len(chains.chains)))
 
 
@@ -122,9 +130,9 @@ def straight_climb(chain: Chain) -> Floats | None:
     middle /= np.hypot(*middle)
     turns = [turn_deg(a, b) for a, b in itertools.pairwise(inner)]
     # One edge that is seen badly turns there and back again; a winding flight goes on turning the same way.
-    sharp = [turn for turn in turns if abs(turn) > _WINDING_DEG]
+    sharp = [turn for turn in turns if abs(turn) > WINDING_DEG]
     left, right = [turn for turn in sharp if turn > 0.0], [turn for turn in sharp if turn < 0.0]
-    is_winding = max(len(left), len(right)) >= 2 and abs(sum(sharp)) > 2.0 * _WINDING_DEG
+    is_winding = max(len(left), len(right)) >= 2 and abs(sum(sharp)) > 2.0 * WINDING_DEG
     return None if is_winding else middle
 
 
@@ -135,6 +143,7 @@ def _shapes_of(
     chain: Chain,
     above: StepShape | None,
     params: SurveyParams,
+    is_stepped: bool,
 ) -> tuple[StepShape, ...]:
     common = straight_climb(chain)
     shapes: list[StepShape] = []
@@ -143,84 +152,11 @@ def _shapes_of(
         climb = chain.climbs[k] if common is None else common
         is_last_below_gap = k + 1 < len(chain.steps) and chain.n_missing[k + 1] > 0
         above = None if is_last_below_gap else above
-        shape = _shape(heights, horizontal, patches, chain, k, climb, above, common is not None, params)
+        shape = _shape(heights, horizontal, patches, chain, k, climb, above, common is not None, params, is_stepped)
         shapes.append(shape)
         above = shape
-    shapes = _with_doubtful_fronts(shapes[::-1])
-    return tuple(_with_wedge_sides(shapes, chain) if common is None else _with_common_sides(shapes, common))
-
-
-def _with_doubtful_fronts(shapes: list[StepShape]) -> list[StepShape]:
-    """Doubt every nosing that is known by the end of its tread alone where those of most steps show their faces.
-
-    The same scanner would have seen this one's too: something hides it, and the tread may go on behind that.
-    """
-    if 2 * sum(shape.front.source == "face" for shape in shapes) <= len(shapes):
-        return shapes
-    return [
-        shape
-        if shape.front.source == "face"
-        else replace(
-            shape,
-            front=replace(shape.front, noise_m=math.hypot(shape.front.noise_m, _UNSEEN_M), support=0.0),
-        )
-        for shape in shapes
-    ]
-
-
-def _with_wedge_sides(shapes: list[StepShape], chain: Chain) -> list[StepShape]:
-    """Doubt the sides of the steps of a winding flight, where it turns.
-
-    The sides of a wedge are neither square to its nosing nor parallel, and its narrow end is hidden by those above. A
-    step that is narrower than most may end in a shadow, at either side.
-    """
-    widths = [shape.left.middle_m - shape.right.middle_m for shape in shapes]
-    usual_m = float(np.median(widths))
-    result = []
-    turns = [abs(turn_deg(a, b)) > _WINDING_DEG for a, b in itertools.pairwise(chain.climbs)]
-    for k, (shape, width_m) in enumerate(zip(shapes, widths, strict=True)):
-        is_wedge = any(turns[max(k - 1, 0) : k + 1])
-        hidden_m = usual_m - width_m
-        doubt_m, is_hidden = _WEDGE_M if is_wedge else 0.0, hidden_m > _SIDE_DIFFERS_M
-        if is_hidden:
-            doubt_m = math.hypot(doubt_m, hidden_m / 2.0)
-        changed = [
-            replace(edge, noise_m=math.hypot(edge.noise_m, doubt_m), support=0.0 if is_hidden else edge.support)
-            for edge in (shape.left, shape.right)
-        ]
-        result.append(replace(shape, left=changed[0], right=changed[1]))
-    return result
-
-
-def _with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]:
-    """Compare every step's sides with those of its flight.
-
-    A side that lies inside the others', and of which no face is seen, may be the rim of a shadow: its uncertainty grows
-    until it reaches the others. Its value stays: a step may be narrower.
-    """
-    if len(shapes) < _FEWEST_FOR_SIDES:
-        return shapes
-    across = np.array([-climb[1], climb[0]])
-    origins = [float(shape.origin_m @ across) for shape in shapes]
-    lefts = [origin + shape.left.middle_m for origin, shape in zip(origins, shapes, strict=True)]
-    rights = [origin + shape.right.middle_m for origin, shape in zip(origins, shapes, strict=True)]
-    left, right = float(np.median(lefts)), float(np.median(rights))
-    result = []
-    for shape, origin in zip(shapes, origins, strict=True):
-        hidden_left, hidden_right = left - origin - shape.left.middle_m, shape.right.middle_m - (right - origin)
-        changes: dict[str, EdgeLine] = {}
-        for name, hidden in (("left", hidden_left), ("right", hidden_right)):
-            edge: EdgeLine = getattr(shape, name)
-            if hidden > _SIDE_DIFFERS_M + 4.0 * edge.noise_m and edge.source == "tread":
-                changes[name] = replace(edge, noise_m=math.hypot(edge.noise_m, hidden / 2.0), support=0.0)
-        low, high = shape.line_range
-        if abs(hidden_left) > _SIDE_DIFFERS_M:
-            high = left - origin
-        if abs(hidden_right) > _SIDE_DIFFERS_M:
-            low = right - origin
-        result.append(replace(shape, left=changes.get("left", shape.left), right=changes.get("right", shape.right)))
-        result[-1] = replace(result[-1], line_range=(low, high))
-    return result
+    shapes = with_doubtful_fronts(shapes[::-1])
+    return tuple(with_wedge_sides(shapes, chain) if common is None else with_common_sides(shapes, common))
 
 
 def _shape(
@@ -233,6 +169,7 @@ def _shape(
     above: StepShape | None,
     is_straight: bool,
     params: SurveyParams,
+    is_stepped: bool,
 ) -> StepShape:
     number = chain.steps[k]
     surface = patches.surfaces[number]
@@ -295,12 +232,12 @@ def _shape(
         nosing_noise=(0.0, 0.0, 0.0),
     )
     shape = replace(shape, line_range=(shape.right.at(start), shape.left.at(start)))
-    shape = _with_nosing_heights(shape, near, band_m)
+    shape = _with_nosing_heights(shape, near, band_m, is_stepped)
     shape = _with_back(shape, finder, above, rise_above_m)
     return replace(shape, coverage=_coverage(shape, near, band_m))
 
 
-def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float) -> StepShape:
+def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float, is_stepped: bool) -> StepShape:
     """Measure how high the surface lies at its nosing above its plane, on the left, in the centre and on the right.
 
     A plane carried on to the edge magnifies what is wrong with its slope: the strip behind the nosing, over its whole
@@ -318,14 +255,14 @@ def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float) -> StepSh
     is_strip &= (near.w >= low) & (near.w <= high)
     w, r = near.w[is_strip], near.r[is_strip]
     by_plane = math.hypot(plane.noise_at(shape.front.middle_m, (low + high) / 2.0), plane.misfit_m)
-    whole_m, whole_noise_m = _strip_height(r, plane)
+    whole_m, whole_noise_m = _strip_height(r, plane, is_stepped)
     # A strip far off what is usual is spoilt by the edge, not part of the tread: the plane is all there is.
     if abs(whole_m) > _LEAST_ODD_M + _STRIP_SIGMAS * whole_noise_m:
         whole_m, whole_noise_m = 0.0, math.inf
     offsets, noises = [], []
     for start, stop in ((2.0 / 3.0, 1.0), (1.0 / 3.0, 2.0 / 3.0), (0.0, 1.0 / 3.0)):
         mine = r[(w >= low + start * (high - low)) & (w <= low + stop * (high - low))]
-        own_m, own_noise_m = _strip_height(mine, plane)
+        own_m, own_noise_m = _strip_height(mine, plane, is_stepped)
         chance_m = _STRIP_SIGMAS * math.hypot(own_noise_m, _STRIP_POSE_SIGMA * plane.sigma_m)
         is_other = chance_m < abs(own_m - whole_m) <= max(_MOST_WORN_M, _STRIP_SIGMAS * plane.misfit_m)
         offset_m, noise_m = (own_m, own_noise_m) if is_other else (whole_m, whole_noise_m)
@@ -339,16 +276,24 @@ def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float) -> StepSh
     )
 
 
-def _strip_height(r: Floats, plane: LocalPlane) -> tuple[float, float]:
-    """Return the median height of a strip's points and its standard uncertainty, infinite for too few points."""
+def _strip_height(r: Floats, plane: LocalPlane, is_stepped: bool) -> tuple[float, float]:
+    """Return the middle height of a strip's points and its standard uncertainty, infinite for too few points.
+
+    Of rounded heights the mean is right as soon as the noise reaches half a step, their median is still drawn to a step
+    by a twentieth of it.
+    """
     if len(r) < _FEWEST_IN_STRIP:
         return 0.0, math.inf
+    if is_stepped:
+        r = r[np.abs(r - np.median(r)) <= _BAND_SIGMA * plane.sigma_m]
+        # Taken to be no surer than a median: which points it is taken from depends on the spreading too.
+        return float(r.mean()), MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(r))
     return float(np.median(r)), MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(r))
 
 
 def _guessed(place_m: float, span: tuple[float, float]) -> EdgeLine:
     """Return an edge of which only the patch's rim is known: its uncertainty is large, not absent."""
-    return EdgeLine(place_m, 0.0, sum(span) / 2.0, _UNSEEN_M, _UNSEEN_SLOPE, 0.0, "tread")
+    return EdgeLine(place_m, 0.0, sum(span) / 2.0, UNSEEN_M, _UNSEEN_SLOPE, 0.0, "tread")
 
 
 def _shape_frame(origin: Floats, climb: Floats, plan: Floats) -> tuple[float, float]:

@@ -17,6 +17,12 @@ _BLOCK_M = 0.08
 """Side of the blocks whose scatter tells how sure the plane is: larger than what noise has in common."""
 _MOST_TO_FIT = 30_000
 _LEAST_SIGMA_M = 1e-4
+_LAYERS_REACH_M, _MOST_FOR_LAYERS, _FEWEST_FOR_LAYERS = 0.03, 4000, 60
+_LEAST_OF_LAYER = 0.1
+_LAYERS_APART = 4.2
+"""Distance of the halves of a distribution over the deviation within them: 2.6 if it is normal, 3.5 if it is even."""
+_LAYERS_SHARE = 0.4
+"""Share of a surface's blocks in which both layers must be seen."""
 
 
 def fit_local(
@@ -68,7 +74,46 @@ def plane_of(s: Floats, w: Floats, z: Floats, numbers: tuple[float, float, float
     covariance = _covariance(large, sigma_m, n_kept, s, w)
     scatter = float(np.var(large[2])) if large.shape[1] else 0.0
     misfit_m = math.sqrt(max(0.0, scatter - sigma_m**2 * large.shape[1] / max(n_kept, 1)))
-    return LocalPlane(z0, slope, freeze(covariance), sigma_m, spacing_m, misfit_m, stride * n_kept)
+    layers_m = find_layers(s, w, residual)
+    return LocalPlane(z0, slope, freeze(covariance), sigma_m, spacing_m, misfit_m, stride * n_kept, layers_m)
+
+
+def find_layers(s: Floats, w: Floats, residual: Floats) -> float:
+    """Return how far apart the two layers lie that a surface is made of, 0 where it is one.
+
+    Notes
+    -----
+    Otsu's threshold parts the distances from the plane in two. Two layers are much farther apart than each is thick,
+    which no single noise is, be it normal or even; and they lie in the same places, which a nosing strip, a wedge or
+    a worn hollow does not. Where one station saw the front and another the back, the surface alone does not tell.
+
+    References
+    ----------
+    .. [1] Otsu: A threshold selection method from gray-level histograms, IEEE Trans. SMC 9, 1979.
+    """
+    near = np.flatnonzero(np.abs(residual - np.median(residual)) <= _LAYERS_REACH_M)
+    near = near[:: -(-len(near) // _MOST_FOR_LAYERS) or 1]
+    n = len(near)
+    if n < _FEWEST_FOR_LAYERS:
+        return 0.0
+    ordered = np.sort(residual[near])
+    count = np.arange(1, n)
+    sums = np.cumsum(ordered)
+    low, high = sums[:-1] / count, (sums[-1] - sums[:-1]) / (n - count)
+    between = count * (n - count) * (high - low) ** 2
+    # Beyond, the smaller of both would be a few stray points.
+    least = math.ceil(_LEAST_OF_LAYER * n)
+    k = least - 1 + int(np.argmax(between[least - 1 : n - least]))
+    within = float(ordered.var()) - float(between[k]) / n**2
+    apart_m = float(high[k] - low[k])
+    if apart_m**2 < _LAYERS_APART**2 * within:
+        return 0.0
+    is_high = residual[near] > 0.5 * (low[k] + high[k])
+    keys = _block_keys(s[near], w[near], _BLOCK_M)
+    counts = np.bincount(keys)
+    shares = np.bincount(keys, is_high)[counts > 0] / counts[counts > 0]
+    is_both = (shares >= _LEAST_OF_LAYER) & (shares <= 1.0 - _LEAST_OF_LAYER)
+    return apart_m if float(is_both.mean()) >= _LAYERS_SHARE else 0.0
 
 
 def block_means(s: Floats, w: Floats, value: Floats, side_m: float, minimum: int = 1) -> tuple[Floats, Floats]:

@@ -10,11 +10,11 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, own
-from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import (
     Chain,
     Chains,
+    Examination,
     Flight,
     Horizontal,
     Measured,
@@ -27,13 +27,16 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
-from stair_inspector.stages.doubt import NEAR_REGISTRATION, edge_doubt, expanded, slope_doubt, surface_doubt
+from stair_inspector.stages.doubt import NEAR_REGISTRATION, expanded, slope_doubt, surface_doubt
 from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.nosings import flight_after, straight_climb
+from stair_inspector.stages.parts import Common, Doubts
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.treads import nearest_rows
 
 _SPIRAL_DEG = 120.0
+_OWN = ("noise", "resolution", "layers")
+"""Parts that every nosing has for itself."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,19 +59,6 @@ class _Line:
     height_m: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Context:
-    """What all quantities of a scan have in common."""
-
-    up_rad: float
-    registration_m: float
-    edge_m: float
-    side_m: float
-    slope: float
-    scale: float
-    scan_from_level: Floats
-
-
 def measure_survey(
     horizontal: Horizontal,
     patches: Patches,
@@ -80,6 +70,7 @@ def measure_survey(
     params: SurveyParams,
     doubts: UncertaintyParams,
     display: DisplayParams,
+    examined: Examination | None = None,
 ) -> Survey:
     """Measure every step of every flight (DESIGN: nosing to nosing, on three lines, with uncertainties).
 
@@ -95,22 +86,15 @@ def measure_survey(
         What the user has decided.
     params, doubts, display
         Measuring lines; what the user states about the scan; points kept around each centroid.
+    examined : Examination, optional
+        The steps of the coordinates and doubled surfaces, which no scatter of points shows.
 
     Returns
     -------
     Survey
         Steps counted from 1 in the order of the flights, positions in local scan axes.
     """
-    u_up_deg = math.hypot((up.u_deg or 0.0) / 2.0, doubts.up_deg)
-    context = _Context(
-        up_rad=math.radians(u_up_deg),
-        registration_m=doubts.registration_m,
-        edge_m=doubts.edge_m,
-        side_m=doubts.side_m,
-        slope=math.tan(math.radians(doubts.slope_deg)),
-        scale=doubts.scale_percent / 100.0,
-        scan_from_level=horizontal.level_from_scan.T,
-    )
+    context = Common.of(up, doubts, horizontal.level_from_scan, examined)
     bases = frozenset(chain.base for chain in chains.chains)
     steps: list[Step] = []
     flights: list[Flight] = []
@@ -164,7 +148,7 @@ class _Measurer:
         chain: Chain,
         shapes: tuple[StepShape, ...],
         after: StepShape | None,
-        context: _Context,
+        context: Common,
         params: SurveyParams,
     ) -> None:
         self._chain = chain
@@ -172,6 +156,7 @@ class _Measurer:
         # The first step of the flight that goes straight on from this one's landing gives the landing its depth.
         self._shapes = shapes if after is None else (*shapes, after)
         self._context = context
+        self._doubts = Doubts(context, self._shapes)
         self._climbs = find_climbs(chain, shapes)
         self._is_straight = straight_climb(chain) is not None
         share = params.line_percent / 100.0
@@ -266,8 +251,9 @@ class _Measurer:
         if rises is None or rises[1] is None:
             return None
         shape, line = self._shapes[k], self._lines[k][1]
+        doubts = self._doubts
+        below = shape.foot if k == 0 else self._shapes[k - 1].plane
         if k == 0:
-            below = shape.foot
             noise_below = 0.0 if below is None else below.noise_at(line.s_m, line.w_m)
             if below is not None:
                 noise_below = math.hypot(noise_below, surface_doubt(below))
@@ -276,29 +262,19 @@ class _Measurer:
             lower = self._shapes[k - 1]
             _, w = self._crossing(line.plan, self._climbs[k - 1], k - 1)
             noise_below = math.hypot(lower.nosing_noise[1], surface_doubt(lower.plane))
-            edge_below = abs(lower.plane.slope[0]) * self._edge(k - 1, w)
+            edge_below = abs(lower.plane.slope[0]) * doubts.nosing(lower, w)
             apart = 0.0 if goings is None or goings[1] is None else goings[1]
-        edge = abs(shape.plane.slope[0]) * self._edge(k, line.w_m)
+        edge = abs(shape.plane.slope[0]) * doubts.nosing(shape, line.w_m)
         return expanded(
             rises[1],
             noise=math.hypot(shape.nosing_noise[1], surface_doubt(shape.plane), noise_below),
             edge=math.hypot(edge, edge_below),
+            resolution=math.hypot(*(doubts.rounding_of_level(plane, shape) for plane in (shape.plane, below))),
+            layers=math.hypot(doubts.layers(shape.plane), doubts.layers(below)),
             up=self._context.up_rad * apart,
             registration=self._context.registration_m,
             scale=self._context.scale * abs(rises[1]),
         )
-
-    def _edge(self, k: int, w_m: float) -> float:
-        shape = self._shapes[k]
-        return math.hypot(shape.front.noise_at(w_m), self._doubt(shape.front, shape))
-
-    def _doubt(self, edge: EdgeLine, shape: StepShape) -> float:
-        """Return how uncertain the place of a front or back edge is beyond the scatter along it, metres."""
-        return math.hypot(edge_doubt(edge, shape.plane), self._context.edge_m)
-
-    def _side_doubt(self, edge: EdgeLine, shape: StepShape) -> float:
-        """Return the same of an edge at a tread's side."""
-        return math.hypot(edge_doubt(edge, shape.plane), self._context.side_m)
 
     def _going(self, k: int, goings: tuple[float | None, ...] | None) -> Measured | None:
         if goings is None or goings[1] is None:
@@ -306,11 +282,15 @@ class _Measurer:
         lower, upper, line = self._shapes[k], self._shapes[k + 1], self._lines[k][1]
         _, w = self._crossing(line.plan, self._climbs[k], k + 1)
         rise_m = upper.plane.at(upper.front.at(w), w) - line.height_m
+        doubts = self._doubts
         return expanded(
             goings[1],
             noise=math.hypot(lower.front.noise_at(line.w_m), upper.front.noise_at(w)),
             edge=math.hypot(
-                self._doubt(lower.front, lower), self._doubt(upper.front, upper), self._wedge_doubt(k, goings)
+                doubts.place(lower.front, lower), doubts.place(upper.front, upper), self._wedge_doubt(k, goings)
+            ),
+            resolution=math.hypot(
+                doubts.rounding_across(lower.front, lower), doubts.rounding_across(upper.front, upper)
             ),
             up=self._context.up_rad * abs(rise_m),
             registration=self._context.registration_m,
@@ -328,12 +308,12 @@ class _Measurer:
 
     def _depth(self, k: int, goings: tuple[float | None, ...] | None) -> Measured | None:
         shape, line = self._shapes[k], self._lines[k][1]
-        edge = math.hypot(self._doubt(shape.front, shape), self._wedge_doubt(k, goings))
+        edge = math.hypot(self._doubts.place(shape.front, shape), self._wedge_doubt(k, goings))
         noise = shape.front.noise_at(line.w_m)
         if shape.back is not None:
             depth_m = shape.back.at(line.w_m) - line.s_m
             noise = math.hypot(noise, shape.back.noise_at(line.w_m))
-            edge = math.hypot(edge, self._doubt(shape.back, shape))
+            edge = math.hypot(edge, self._doubts.place(shape.back, shape))
         elif shape.back_limits is not None:
             # Anywhere between the two: half the interval is the expanded uncertainty.
             low, high = shape.back_limits
@@ -345,6 +325,7 @@ class _Measurer:
             depth_m,
             noise=noise,
             edge=edge,
+            resolution=math.hypot(*(self._doubts.rounding_across(end, shape) for end in (shape.front, shape.back))),
             registration=self._context.registration_m,
             scale=self._context.scale * depth_m,
         )
@@ -358,10 +339,10 @@ class _Measurer:
             return None
         shape, above = self._shapes[k], self._shapes[k + 1]
         w = self._lines[k][1].w_m
-        noise, edge = above.front.noise_at(self._lines[k + 1][1].w_m), self._doubt(above.front, above)
+        noise, edge = above.front.noise_at(self._lines[k + 1][1].w_m), self._doubts.place(above.front, above)
         if shape.back is not None:
             noise = math.hypot(noise, shape.back.noise_at(w))
-            edge = math.hypot(edge, self._doubt(shape.back, shape))
+            edge = math.hypot(edge, self._doubts.place(shape.back, shape))
         elif shape.back_limits is not None:
             edge = math.hypot(edge, (shape.back_limits[1] - shape.back_limits[0]) / 4.0)
         rise_m = above.plane.at(0.0, 0.0) - shape.plane.at(0.0, 0.0)
@@ -374,6 +355,9 @@ class _Measurer:
             overhang_m,
             noise=noise,
             edge=edge,
+            resolution=math.hypot(
+                self._doubts.rounding_across(shape.back, shape), self._doubts.rounding_across(above.front, above)
+            ),
             up=self._context.up_rad * abs(rise_m),
             registration=NEAR_REGISTRATION * self._context.registration_m,
         )
@@ -381,12 +365,13 @@ class _Measurer:
     def _width(self, k: int) -> Measured:
         shape = self._shapes[k]
         s = self._mid_depth(k)
-        doubt = math.hypot(self._side_doubt(shape.left, shape), self._side_doubt(shape.right, shape))
+        doubt = math.hypot(self._doubts.side(shape.left, shape), self._doubts.side(shape.right, shape))
         width_m = shape.left.at(s) - shape.right.at(s)
         return expanded(
             width_m,
             noise=math.hypot(shape.left.noise_at(s), shape.right.noise_at(s)),
             edge=doubt,
+            resolution=math.hypot(*(self._doubts.rounding_aside(side, shape) for side in (shape.left, shape.right))),
             registration=self._context.registration_m,
             scale=self._context.scale * width_m,
         )
@@ -403,7 +388,7 @@ class _Measurer:
         parts = {
             name: math.degrees(math.hypot(g * by_rise.get(name, 0.0), r * by_going.get(name, 0.0)) / (g * g + r * r))
             / 2.0
-            for name in ("noise", "edge", "registration")
+            for name in ("noise", "edge", "resolution", "layers", "registration")
         }
         return expanded(math.degrees(math.atan2(r, g)), **parts, up=math.degrees(self._context.up_rad))
 
@@ -413,13 +398,17 @@ class _Measurer:
         slope = float(along[1] * shape.plane.slope[0] + along[2] * shape.plane.slope[1])
         noise = math.sqrt(max(0.0, float(along @ shape.plane.covariance @ along)))
         # Over the width, what one station and the other see is mixed everywhere.
-        noise = math.hypot(noise, abs(along[1]) * slope_doubt(shape.plane, shape.extent[1] - shape.extent[0]))
-        return expanded(
-            math.degrees(math.atan(slope)),
-            noise=math.degrees(noise / (1.0 + slope * slope)),
-            up=math.degrees(self._context.up_rad),
-            registration=math.degrees(abs(along[1]) * self._context.slope / (1.0 + slope * slope)),
-        )
+        depth_m = shape.extent[1] - shape.extent[0]
+        noise = math.hypot(noise, abs(along[1]) * slope_doubt(shape.plane, depth_m))
+        length_m = math.hypot(along[1] * depth_m, along[2] * (shape.extent[3] - shape.extent[2]))
+        doubts = {
+            "noise": noise,
+            "resolution": self._doubts.rounding_of_slope(shape, length_m),
+            "layers": abs(along[1]) * self._doubts.layers_of_slope(shape.plane, depth_m),
+            "registration": abs(along[1]) * self._context.slope,
+        }
+        in_degrees = {name: math.degrees(doubt / (1.0 + slope * slope)) for name, doubt in doubts.items()}
+        return expanded(math.degrees(math.atan(slope)), **in_degrees, up=math.degrees(self._context.up_rad))
 
     def _corners(self, k: int) -> Floats:
         shape = self._shapes[k]
@@ -490,7 +479,7 @@ def _kinds_of(
 
 
 def _flight_of(
-    flight_id: int, chain: Chain, shapes: tuple[StepShape, ...], steps: Sequence[Step], context: _Context
+    flight_id: int, chain: Chain, shapes: tuple[StepShape, ...], steps: Sequence[Step], context: Common
 ) -> Flight:
     climb = find_climbs(chain, shapes)[0]
     treads = [step for step in steps if step.kind == "tread"] or list(steps)
@@ -517,9 +506,7 @@ def _shape_name(chain: Chain, shapes: tuple[StepShape, ...]) -> Literal["straigh
     return "spiral" if is_one_way and abs(sum(turns)) > _SPIRAL_DEG else "winder"
 
 
-def _best_pitch(
-    chain: Chain, shapes: tuple[StepShape, ...], steps: Sequence[Step], context: _Context
-) -> Measured | None:
+def _best_pitch(chain: Chain, shapes: tuple[StepShape, ...], steps: Sequence[Step], context: Common) -> Measured | None:
     """Fit a line to the nosings' centres, over the way along the flight and the height."""
     if len(steps) < 2 or any(chain.n_missing):
         return None
@@ -533,7 +520,7 @@ def _best_pitch(
     slope = float(centred @ height / (centred @ centred))
     # Each nosing's own doubt in height and, through the slope, in place.
     each = [
-        math.hypot(_part(rise, "noise"), slope * _part(going, "noise")) / math.sqrt(2.0)
+        math.sqrt(sum(_part(rise, name) ** 2 + (slope * _part(going, name)) ** 2 for name in _OWN) / 2.0)
         for rise, going in zip(rises, goings, strict=True)
     ]
     noise = math.sqrt(float(np.mean(np.square(each)))) / math.sqrt(float(centred @ centred))

@@ -176,3 +176,13 @@ def test_a_tilt_and_a_scale_add_up_over_a_flight():
     rise = Measured(0.17, 0.0, (("up", 0.001), ("scale", 0.0002), ("registration", 0.0005)))
     parts = dict(total([rise] * 9).parts)
     assert parts == pytest.approx({"up": 0.009, "scale": 0.0018, "registration": 0.0015})
+
+
+@pytest.mark.parametrize("name", ["resolution", "layers"])
+def test_what_one_level_has_for_itself_is_no_error_of_the_whole_scan(name):
+    one = Measured(0.17, 0.002, ((name, 0.002),))
+    other = Measured(0.18, 0.002, ((name, 0.002),))
+    assert dict(difference(other, one, share_a_nosing=False).parts)[name] == pytest.approx(0.002 * math.sqrt(2.0))
+    # Of the level between them each has the same error, with the other sign.
+    assert dict(difference(other, one, share_a_nosing=True).parts)[name] == pytest.approx(0.004)
+    assert dict(total([one] * 9).parts) == pytest.approx({name: 0.002})

@@ -497,6 +497,8 @@ def test_duplicates_keep_the_first_and_the_order(tmp_path: Path) -> None:
     assert scan.colors[:, 0].tolist() == [0, 3, 12]
     assert codes(scan) == ["duplicates_dropped"]
     assert "3 of 6" in scan.notes[0].message
+    assert scan.repeats.tolist() == [3, 2, 1]
+    assert read(tmp_path, "b.ply", ply_bytes(points[3:])).repeats is None
     assert scan.n_points == 6
 
 

@@ -7,7 +7,16 @@ import pytest
 
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.model import LocalPlane
-from stair_inspector.stages.doubt import K, edge_doubt, expanded, slope_doubt, surface_doubt
+from stair_inspector.stages.doubt import (
+    K,
+    edge_doubt,
+    expanded,
+    layers_doubt,
+    noise_before_rounding,
+    rounding_doubt,
+    slope_doubt,
+    surface_doubt,
+)
 
 
 def plane(sigma_m=0.001, spacing_m=0.005):
@@ -65,3 +74,50 @@ def test_the_doubt_of_a_slope_grows_less_than_a_large_noise():
     small, large = slope_doubt(plane(0.001), 0.28), slope_doubt(plane(0.01), 0.28)
     assert small < large < 10.0 * small
     assert math.degrees(large) < 2.0
+
+
+# --- rounding and layers -------------------------------------------------------------------------------------------
+
+UPRIGHT, NO_REACH = np.array([0.0, 0.0, 1.0]), (np.zeros(3),)
+STEPS = np.array([0.002, 0.003, 0.004])
+
+
+def test_without_noise_rounding_is_an_even_error_over_one_step():
+    assert rounding_doubt(UPRIGHT, NO_REACH, 0.0, STEPS) == pytest.approx(0.004 / math.sqrt(12.0), rel=0.01)
+    slanting = np.array([0.6, 0.8, 0.0])
+    expected = math.hypot(0.6 * 0.002, 0.8 * 0.003) / math.sqrt(12.0)
+    assert rounding_doubt(slanting, NO_REACH, 0.0, STEPS) == pytest.approx(expected, rel=0.01)
+    assert rounding_doubt(UPRIGHT, NO_REACH, 0.0, np.array([0.002, 0.003, 0.0])) == 0.0
+
+
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.3, 0.5])
+def test_noise_averages_rounding_out_as_a_mean_of_rounded_values_shows(share):
+    rng = np.random.default_rng(5)
+    step_m, phases = 0.004, np.linspace(0.0, 0.004, 40, endpoint=False)
+    noisy = phases[:, None] + share * step_m * rng.standard_normal((40, 20_000))
+    errors = (np.rint(noisy / step_m) * step_m).mean(axis=1) - phases
+    expected = math.sqrt(float(np.mean(errors**2)))
+    # 20,000 values leave their own noise in each mean.
+    left = step_m * math.hypot(share, 0.3) / math.sqrt(20_000)
+    found = rounding_doubt(UPRIGHT, NO_REACH, share * step_m, np.array([0.0, 0.0, step_m]))
+    assert found == pytest.approx(expected, abs=2.0 * left)
+
+
+def test_a_surface_that_slants_through_many_steps_keeps_a_tenth():
+    doubts = [rounding_doubt(UPRIGHT, (np.array([1.0, 0.0, drop]),), 0.0, STEPS) for drop in (0.0, 0.004, 0.02, 1.0)]
+    assert doubts == sorted(doubts, reverse=True)
+    assert doubts[-1] == pytest.approx(0.1 * doubts[0], rel=0.01)
+
+
+def test_rounding_and_spreading_add_the_variance_of_two_even_distributions():
+    rng = np.random.default_rng(6)
+    true = 0.003 * rng.standard_normal(100_000)
+    spread = np.rint(true / 0.004) * 0.004 + rng.uniform(-0.002, 0.002, true.shape)
+    found = noise_before_rounding(float(spread.std()), UPRIGHT, np.array([0.0, 0.0, 0.004]))
+    assert found == pytest.approx(0.003, rel=0.01)
+    assert noise_before_rounding(0.001, UPRIGHT, STEPS) == 0.0
+
+
+def test_a_level_lies_anywhere_between_its_layers():
+    assert layers_doubt(0.012) == pytest.approx(0.012 / math.sqrt(12.0))
+    assert layers_doubt(0.0) == 0.0

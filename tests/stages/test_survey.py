@@ -11,6 +11,7 @@ from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import (
     Chain,
     Chains,
+    Examination,
     Horizontal,
     LocalPlane,
     PaperValues,
@@ -110,7 +111,7 @@ def scan_of(shapes):
     return Horizontal(np.arange(n), coordinates, np.eye(3), up, n), Patches(tuple(surfaces), 0.02)
 
 
-def survey_of(*flights, up=None, doubts=STATED, params=None, forced=None):
+def survey_of(*flights, up=None, doubts=STATED, params=None, forced=None, examined=None):
     """Measure flights, each a list of shapes or a chain and its shapes."""
     pairs = [flight if isinstance(flight, tuple) else (chain_of(flight), flight) for flight in flights]
     horizontal, patches = scan_of([s for _, shapes in pairs for s in shapes])
@@ -129,6 +130,7 @@ def survey_of(*flights, up=None, doubts=STATED, params=None, forced=None):
         params or SurveyParams(),
         doubts,
         DisplayParams(nearest_k=2),
+        examined,
     )
 
 
@@ -318,6 +320,85 @@ def test_the_place_of_an_edge_matters_to_a_rise_only_where_the_tread_leans():
     shapes[1] = replace(shapes[1], plane=level_plane(2 * RISE, (0.05, 0.0)))
     part = dict(survey_of(shapes, doubts=doubts).steps[1].rise_m.parts)["edge"]
     assert part == pytest.approx(2.0 * 0.05 * 0.002, rel=0.01)
+
+
+def test_the_edge_below_matters_to_a_rise_where_the_tread_below_leans():
+    doubts = UncertaintyParams(edge_m=0.002)
+    shapes = even()
+    shapes[0] = replace(shapes[0], plane=level_plane(RISE, (0.05, 0.0)))
+    part = dict(survey_of(shapes, doubts=doubts).steps[1].rise_m.parts)["edge"]
+    assert part == pytest.approx(2.0 * 0.05 * 0.002, rel=0.01)
+    # Above it nothing leans.
+    assert dict(survey_of(shapes, doubts=doubts).steps[2].rise_m.parts).get("edge", 0.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("noisy", "expected_m"),
+    [((2,), 0.02 * 0.01), ((1,), 0.02 * 0.01), ((1, 2), 0.02 * math.hypot(0.01, 0.01)), ((), 0.0)],
+)
+def test_smooth_errors_of_both_surfaces_are_in_the_noise_of_a_rise(noisy, expected_m):
+    shapes = [replace(s, plane=level_plane(s.plane.z0_m, sigma_m=0.01)) if s.surface in noisy else s for s in even()]
+    part = dict(survey_of(shapes).steps[1].rise_m.parts).get("noise", 0.0)
+    assert part == pytest.approx(2.0 * expected_m, rel=1e-9)
+
+
+def test_the_floor_in_front_is_as_unsure_as_its_plane_and_its_surface():
+    shapes = even()
+    shapes[0] = replace(shapes[0], foot=level_plane(sigma_m=0.01, variance=0.0004**2))
+    part = dict(survey_of(shapes).steps[0].rise_m.parts)["noise"]
+    assert part == pytest.approx(2.0 * math.hypot(0.0004, 0.02 * 0.01), rel=1e-9)
+
+
+def test_rounding_is_in_every_length_between_two_levels_or_two_edges():
+    examined = Examination((), np.array([0.006, 0.0, 0.002]))
+    first, *_ = survey_of(even(), examined=examined).steps
+    one = 2.0 * 0.002 / math.sqrt(12.0)
+    assert dict(first.rise_m.parts)["resolution"] == pytest.approx(math.sqrt(2.0) * one, rel=0.01)
+    along = 2.0 * 0.006 / math.sqrt(12.0)
+    for value in (first.going_m, first.tread_depth_m, first.nosing_overhang_m):
+        assert dict(value.parts)["resolution"] == pytest.approx(math.sqrt(2.0) * along, rel=0.01)
+    # The sides lie square to y, on which there is no step.
+    assert "resolution" not in dict(first.width_m.parts)
+    aside = survey_of(even(), examined=Examination((), np.array([0.0, 0.006, 0.0]))).steps[0]
+    assert dict(aside.width_m.parts)["resolution"] == pytest.approx(math.sqrt(2.0) * along, rel=0.01)
+    assert "resolution" not in dict(aside.going_m.parts)
+    for angle, over_m in ((first.fall_deg, DEPTH), (first.cross_fall_deg, WIDTH)):
+        expected = math.degrees(math.sqrt(2.0) * one / over_m)
+        assert dict(angle.parts)["resolution"] == pytest.approx(expected, rel=0.01)
+    pitch = math.hypot(GOING * math.sqrt(2.0) * one, RISE * math.sqrt(2.0) * along) / (GOING**2 + RISE**2)
+    assert dict(first.pitch_deg.parts)["resolution"] == pytest.approx(math.degrees(pitch), rel=0.01)
+
+
+def test_noise_averages_rounding_out_as_far_as_the_surest_surface_has_some():
+    examined = Examination((), np.array([0.0, 0.0, 0.002]))
+    noisy = [replace(s, plane=level_plane(s.plane.z0_m, sigma_m=0.004)) for s in even()]
+    assert dict(survey_of(noisy, examined=examined).steps[1].rise_m.parts).get("resolution", 0.0) < 1e-5
+    noisy[3] = even()[3]
+    assert dict(survey_of(noisy, examined=examined).steps[1].rise_m.parts)["resolution"] > 0.0016
+
+
+def test_layers_are_in_every_rise_and_slope():
+    one = 2.0 * 0.012 / math.sqrt(12.0)
+    of_scan = survey_of(even(), examined=Examination((), np.zeros(3), 0.012)).steps
+    doubled = [replace(s, plane=replace(s.plane, layers_m=0.012)) for s in even()]
+    for step in (*of_scan[1:], *survey_of(doubled).steps[1:]):
+        assert dict(step.rise_m.parts)["layers"] == pytest.approx(math.sqrt(2.0) * one, rel=1e-9)
+        assert dict(step.fall_deg.parts)["layers"] == pytest.approx(
+            math.degrees(math.sqrt(2.0) * one / DEPTH), rel=1e-9
+        )
+    # Of the floor nothing is known but what the whole scan shows.
+    assert dict(of_scan[0].rise_m.parts)["layers"] == pytest.approx(math.sqrt(2.0) * one, rel=1e-9)
+
+
+def test_layers_of_one_tread_are_its_own_and_of_most_are_all_treads():
+    one = 2.0 * 0.012 / math.sqrt(12.0)
+    shapes = even()
+    shapes[1] = replace(shapes[1], plane=replace(shapes[1].plane, layers_m=0.012))
+    parts = [dict(step.rise_m.parts).get("layers", 0.0) for step in survey_of(shapes).steps]
+    assert parts == pytest.approx([0.0, one, one, 0.0], rel=1e-9)
+    for k in (2, 3):
+        shapes[k] = replace(shapes[k], plane=replace(shapes[k].plane, layers_m=0.012))
+    assert dict(survey_of(shapes).steps[0].rise_m.parts)["layers"] == pytest.approx(math.sqrt(2.0) * one, rel=1e-9)
 
 
 def test_a_mean_width_is_surer_about_noise_alone():

@@ -1,0 +1,133 @@
+"""What is a step's uncertainty made of? The doubts about its level and its edges, from what the scan is like."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.edges import EdgeLine
+from stair_inspector.model import Examination, LocalPlane, StepShape, Up
+from stair_inspector.params import UncertaintyParams
+from stair_inspector.stages.doubt import edge_doubt, layers_doubt, noise_before_rounding, rounding_doubt
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Common:
+    """What all quantities of a scan have in common."""
+
+    up_rad: float
+    registration_m: float
+    edge_m: float
+    side_m: float
+    slope: float
+    scale: float
+    scan_from_level: Floats
+    steps_m: Floats
+    layers_m: float
+
+    @classmethod
+    def of(cls, up: Up, doubts: UncertaintyParams, level_from_scan: Floats, examined: Examination | None) -> "Common":
+        """Return what the user states about a scan, and what was found about it before it was measured."""
+        return cls(
+            up_rad=math.radians(math.hypot((up.u_deg or 0.0) / 2.0, doubts.up_deg)),
+            registration_m=doubts.registration_m,
+            edge_m=doubts.edge_m,
+            side_m=doubts.side_m,
+            slope=math.tan(math.radians(doubts.slope_deg)),
+            scale=doubts.scale_percent / 100.0,
+            scan_from_level=level_from_scan.T,
+            steps_m=np.zeros(3) if examined is None else examined.steps_m,
+            layers_m=0.0 if examined is None else examined.layers_m,
+        )
+
+
+class Doubts:
+    """The doubts about the levels and the edges of one flight's steps, standard uncertainties in metres."""
+
+    def __init__(self, common: Common, shapes: tuple[StepShape, ...]) -> None:
+        self._common = common
+        self._is_stepped = bool(common.steps_m.any())
+        # One scanner saw them all. Where points lie to both sides of a rounding limit they seem to have noise, and in
+        # the middle between two limits none: the surface with least tells.
+        self._sigma_m = min(
+            (
+                noise_before_rounding(shape.plane.sigma_m, self._normal_of(shape.plane, shape.climb), common.steps_m)
+                for shape in shapes
+            ),
+            default=0.0,
+        )
+
+        doubled = sorted(shape.plane.layers_m for shape in shapes if shape.plane.layers_m)
+        # Where most treads are doubled, those that seem not to be were seen from one station, which may be either.
+        self._layers_m = doubled[len(doubled) // 2] if 2 * len(doubled) > len(shapes) else common.layers_m
+
+    def place(self, edge: EdgeLine, shape: StepShape) -> float:
+        """Return how uncertain the place of a front or back edge is beyond the scatter along it."""
+        return math.hypot(edge_doubt(edge, shape.plane), self._common.edge_m)
+
+    def side(self, edge: EdgeLine, shape: StepShape) -> float:
+        """Return the same of an edge at a tread's side."""
+        return math.hypot(edge_doubt(edge, shape.plane), self._common.side_m)
+
+    def nosing(self, shape: StepShape, w_m: float) -> float:
+        """Return how uncertain the place of a nosing is on a line along the climb."""
+        return math.hypot(shape.front.noise_at(w_m), self.place(shape.front, shape))
+
+    def layers(self, plane: LocalPlane | None) -> float:
+        """Return what doubled surfaces leave uncertain of a level: its own layers, else its flight's or scan's."""
+        return 0.0 if plane is None else layers_doubt(plane.layers_m or self._layers_m)
+
+    def layers_of_slope(self, plane: LocalPlane, depth_m: float) -> float:
+        """Return the same of a slope, as a tangent: at the front one layer may be seen, at the back the other."""
+        return math.sqrt(2.0) * self.layers(plane) / max(depth_m, plane.spacing_m, 1e-3)
+
+    def rounding_of_level(self, plane: LocalPlane | None, shape: StepShape) -> float:
+        """Return what rounding leaves uncertain of the height of a surface along the nosing of a step."""
+        if plane is None or not self._is_stepped:
+            return 0.0
+        low, high = shape.line_range
+        left = _left_of(shape.climb)
+        along = (high - low) * np.array([left[0], left[1], plane.slope[1]])
+        return self._rounding(self._normal_of(plane, shape.climb), along, self._sigma_m)
+
+    def rounding_of_slope(self, shape: StepShape, length_m: float) -> float:
+        """Return the same of a surface's slope over a length, as a tangent: one end against the other."""
+        return math.sqrt(2.0) * self.rounding_of_level(shape.plane, shape) / max(length_m, shape.plane.spacing_m, 1e-3)
+
+    def rounding_across(self, edge: EdgeLine | None, shape: StepShape) -> float:
+        """Return what rounding leaves uncertain of the place of a front or back edge, along the climb."""
+        if edge is None or not self._is_stepped:
+            return 0.0
+        left = _left_of(shape.climb)
+        return self._of_edge(
+            edge, shape.climb - edge.slope * left, left + edge.slope * shape.climb, np.ptp(shape.line_range)
+        )
+
+    def rounding_aside(self, edge: EdgeLine, shape: StepShape) -> float:
+        """Return the same of an edge at a tread's side, square to the climb."""
+        if not self._is_stepped:
+            return 0.0
+        left = _left_of(shape.climb)
+        depth_m = shape.extent[1] - shape.extent[0]
+        return self._of_edge(edge, left - edge.slope * shape.climb, shape.climb + edge.slope * left, depth_m)
+
+    def _of_edge(self, edge: EdgeLine, across: Floats, along: Floats, length_m: float) -> float:
+        length = math.hypot(1.0, edge.slope)
+        normal, reach = np.array([*across, 0.0]) / length, length_m / length * np.array([*along, 0.0])
+        # Noise blurs a face. The end of a tread is blurred by nothing: its points lie anywhere up to there.
+        turn = self._common.scan_from_level
+        return self._rounding(turn @ normal, reach, self._sigma_m if edge.source == "face" else 0.0)
+
+    def _normal_of(self, plane: LocalPlane, climb: Floats) -> Floats:
+        """Return the normal of a surface in scan axes."""
+        lean = plane.slope[0] * climb + plane.slope[1] * _left_of(climb)
+        normal: Floats = self._common.scan_from_level @ (np.array([*-lean, 1.0]) / math.hypot(1.0, *lean))
+        return normal
+
+    def _rounding(self, normal: Floats, reach: Floats, sigma_m: float) -> float:
+        return rounding_doubt(normal, (self._common.scan_from_level @ reach,), sigma_m, self._common.steps_m)
+
+
+def _left_of(climb: Floats) -> Floats:
+    return np.array([-climb[1], climb[0]])
