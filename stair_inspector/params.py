@@ -179,7 +179,7 @@ class PatchesParams(Group):
         float,
         Knob(0.0, 1.0, 0.005, "smallest surface", display_unit="m²"),
         Doc("Smallest surface that can be a tread, square metres (0 to 1)."),
-    ] = 0.03
+    ] = priors.SMALLEST_TREAD_M2
 
 
 @dataclass(frozen=True)
@@ -207,12 +207,24 @@ class FlightsParams(Group):
         float,
         Knob(5.0, 60.0, 1.0, "largest turn", display_unit="°"),
         Doc("Largest turn of the direction of climb from one step to the next, degrees (5 to 60)."),
-    ] = 45.0
+    ] = priors.MOST_TURN_DEG
     min_risers: Annotated[
         int,
         Knob(1, 10, 1, "fewest risers"),
         Doc("Fewest risers that make a flight (1 to 10); one alone is a kerb."),
     ] = 2
+
+    @property
+    def at_least_usual(self) -> "FlightsParams":
+        """These limits or the defaults, whichever are wider: for what narrower limits must not move, as up."""
+        usual = FlightsParams()
+        return dataclasses.replace(
+            usual,
+            min_rise_m=min(self.min_rise_m, usual.min_rise_m),
+            max_rise_m=max(self.max_rise_m, usual.max_rise_m),
+            max_gap_m=max(self.max_gap_m, usual.max_gap_m),
+            turn_deg=max(self.turn_deg, usual.turn_deg),
+        )
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from stair_inspector.stages import orient, paper, treads
 from stair_inspector.stages.dither import spread_steps
 from stair_inspector.stages.examine import examine
 from stair_inspector.stages.flights import find_chains
+from stair_inspector.stages.impossible import take_out_impossible
 from stair_inspector.stages.nosings import find_shapes
 from stair_inspector.stages.patches import split_levels
 from stair_inspector.stages.plumb import refine_up
@@ -47,7 +48,11 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     is_auto = params.up == "auto"
     how = (params.floor, params.method) if is_auto else (FloorParams(), "survey")
     up = memo.run("up", orient.find_up, scan, normals, params.up, *how, heavy=is_auto)
-    up = memo.run("plumb", refine_up, scan, normals, up) if is_auto and params.method == "survey" else up
+    up = (
+        memo.run("plumb", refine_up, scan, normals, up, params.flights.at_least_usual)
+        if is_auto and params.method == "survey"
+        else up
+    )
     heights = memo.run("heights", orient.order_by_height, scan, normals, up, params.overrules.region)
     horizontal = memo.run("horizontal", find.select_horizontal, heights, params.horizontal)
     reach = memo.run("reach", find.find_height_reach, horizontal, params.levels.eps_m)
@@ -76,5 +81,6 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     how_sure = (params.survey, params.uncertainty, params.display)
     of_scan = (patches, chains, shapes, steps, up, forced, *how_sure, examined)
     survey = memo.run("survey", measure_survey, horizontal, *of_scan)
+    survey = take_out_impossible(survey, params.flights)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
     return withhold(concluded)

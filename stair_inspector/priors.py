@@ -10,11 +10,22 @@ LEAST_RISE_M, MOST_RISE_M = 0.06, 0.3
 """Rises that are looked for by default; codes allow 100 to 241 mm."""
 SHORTEST_GOING_M = 0.1
 """From nosing to nosing; alternating treads and ladders are none."""
-USUAL_GOING_M = 0.28
+USUAL_RISE_M, USUAL_GOING_M = 0.17, 0.28
 LONGEST_TREAD_M = 0.62
 """A step that is deeper is a landing: no code's going is longer."""
 STEEPEST_TREAD_DEG = 12.0
 """A surface that leans more is a piece of a ramp or of a slanting object; treads of a badly levelled scan lean less."""
+
+NARROWEST_TREAD_M = 0.1
+"""A surface that is narrower is a railing, a ledge or a beam."""
+SMALLEST_TREAD_M2 = 0.03
+"""Default of what is looked for: of a tread only a part may be seen."""
+DEEPEST_OVERHANG_M = 0.06
+"""How far a nosing stands over the tread below at most; what lies farther under it is another surface."""
+RISER_AHEAD_M, RISER_BEHIND_M = 0.02, 0.09
+"""Between these, before and behind the nosing above it, lies a riser's face: inclined and recessed risers included."""
+NOSING_THICKNESS_M = 0.05
+"""So much below a nosing its own front may stand before the riser."""
 
 # Flights.
 STEEPEST_PITCH_DEG = 60.0
@@ -29,6 +40,18 @@ TALLEST_FOOT = 1.75
 """The same for the first riser of a long flight: above, a tread may be missing."""
 LANDING_RATIO = 1.8
 """A step that is this much deeper than the others of its flight is a landing too."""
+MOST_TURN_DEG = 45.0
+"""Turn from one step to the next, as of the wedges of a tight spiral."""
+SPIRAL_DEG = 120.0
+"""A flight that turns by more in all, always the same way, is a spiral; by less, winders."""
+STRAIGHT_ON_DEG = 10.0
+"""Flights whose directions differ by less go straight on over the landing between them."""
+SHORTEST_EDGE_M = 0.2
+"""Two treads that touch along a shorter edge do not follow each other by that alone."""
+NARROWEST_OF_TWO_M, SHALLOWEST_OF_TWO_M = 0.45, 0.15
+"""Width and depth of two risers that are a flight by themselves: boxes are smaller."""
+FLOOR_RATIO = 2.2
+"""A surface this much larger than the one above it is a floor or landing, from which a flight may begin anywhere."""
 SURE_RISERS = 3
 """So many even risers in a row are a flight by themselves."""
 
@@ -42,5 +65,7 @@ PAPER_STEEPEST_TREAD_DEG = 8.0
 # Around a staircase.
 HEADROOM_M = 1.9
 SLAB_THICKNESS_M = (0.012, 0.12)
+DEEPEST_BELOW_M = 0.6
+"""What lies less than this under a step is the underside of its slab, or stands below the stairs."""
 FURNITURE_M = (0.2, 1.3)
 RAMP_DEG = (2.0, 12.0)

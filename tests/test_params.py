@@ -9,7 +9,17 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import GROUPS, METRES_PER_UNIT, NAMED_UP, Params, fields_of, help_of, knob_of, parse_up
+from stair_inspector.params import (
+    GROUPS,
+    METRES_PER_UNIT,
+    NAMED_UP,
+    FlightsParams,
+    Params,
+    fields_of,
+    help_of,
+    knob_of,
+    parse_up,
+)
 from tests.synthetic import CHANGES
 
 NAMES = [
@@ -160,3 +170,10 @@ def test_what_is_no_direction_is_refused(text):
     with pytest.raises(ConfigError) as error:
         Params(up=text)
     assert str(error.value) == (f'up: got {text!r}; give auto, x, y, z, -x, -y, -z, or three numbers such as "0.1,0,1"')
+
+
+def test_limits_that_move_nothing_when_they_are_narrowed_are_the_widest_of_the_user_s_and_the_usual_ones():
+    narrow = FlightsParams(min_rise_m=0.15, max_rise_m=0.2, max_gap_m=0.05, turn_deg=10.0, min_risers=5)
+    assert narrow.at_least_usual == FlightsParams()
+    wide = FlightsParams(min_rise_m=0.04, max_rise_m=0.5, max_gap_m=0.4, turn_deg=60.0)
+    assert wide.at_least_usual == wide

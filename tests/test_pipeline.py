@@ -116,6 +116,14 @@ def test_truth_every_horizontal_point_is_labelled_with_its_tread():
     np.testing.assert_array_equal(inspection.labels, expected)
 
 
+def test_truth_a_wider_limit_of_the_rise_finds_a_stair_that_is_steeper_than_any():
+    stair = dataclasses.replace(NOISY, rise=0.33, risers=True)
+    wide = exact_params(up="z").replaced("flights.max_rise_m", 0.5)
+    rises = [step.rise_m.value for step in inspect(stair.scan(), wide).steps]
+    assert rises == pytest.approx([0.33] * stair.n_steps, abs=0.001)
+    assert not inspect(stair.scan(), exact_params(up="z")).steps
+
+
 # --- invariance ----------------------------------------------------------------------------------------------------
 
 

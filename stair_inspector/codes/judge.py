@@ -18,6 +18,8 @@ _ROUNDING = 1e-9
 """Differences of binary numbers are off by less: a value this near to a limit lies on it, which is inside."""
 _LANDINGS_TOO = ("rise",)
 """Quantities of treads and landings alike; the others are those of treads, ``landing_slope`` of landings."""
+_OVER_EDGES = ("rise", "going", "two_r_plus_g", "tread_depth", "nosing_overhang")
+"""Quantities that hang on the edges of a step."""
 _CHAINED = ("rise", "going")
 """Quantities from nosing to nosing, so that neighbours share one."""
 _DIFFERENCES = ("flight_range", "adjacent_difference")
@@ -231,6 +233,12 @@ class _Judge:
                 continue
             for note in self._inspection.notes:
                 if (note.step, note.code) == (number, code):
+                    return note.message
+        # Of a nosing that was none, its neighbours have nothing either.
+        near = (here, above, here - 1) if quantity in _OVER_EDGES else ()
+        for number in near:
+            for note in self._inspection.notes:
+                if (note.step, note.code) == (number, "step_impossible") and number in flight.step_ids:
                     return note.message
         if is_last and quantity in ("going", "two_r_plus_g", "nosing_overhang"):
             return f"no nosing was seen above step {here}, up to which its going is measured"

@@ -19,7 +19,7 @@ from stair_inspector.stages.gaps import (
     run_below,
     tall_foot,
 )
-from stair_inspector.stages.links import BASE_RATIO, LEAST_CONTACT_M, Link, angle_deg, depth_along, find_links
+from stair_inspector.stages.links import Link, angle_deg, depth_along, find_links
 from stair_inspector.stages.rejects import Forced, find_undersides, may_be_step
 
 _LEAST_OVERLAP = 0.5
@@ -30,7 +30,6 @@ _ALTERNATIVE_RISE = 0.25
 _LAST_RISE = 0.1
 """How far the rise onto a landing that is touched along a short edge only may be from the flight's, as a share."""
 _JOINED_WIDTH = 0.6
-_SHORT_WIDTH_M = 0.45
 
 
 def find_chains(patches: Patches, params: FlightsParams, least_area_m2: float, forced: Forced) -> Chains:
@@ -63,11 +62,11 @@ def find_chains(patches: Patches, params: FlightsParams, least_area_m2: float, f
     for k in find_undersides(patches) - wanted:
         is_allowed[k] = False
     every = find_links(patches, params, is_allowed, forced.climb)
-    links = [link for link in every if link.length_m >= LEAST_CONTACT_M]
+    links = [link for link in every if link.length_m >= priors.SHORTEST_EDGE_M]
     surfaces = patches.surfaces
     runs = _with_feet(surfaces, _longest_runs(links, params), links)
     runs = _with_weak_links(
-        _with_uneven_ends(surfaces, runs), [link for link in every if link.length_m < LEAST_CONTACT_M], params
+        _with_uneven_ends(surfaces, runs), [link for link in every if link.length_m < priors.SHORTEST_EDGE_M], params
     )
     runs = _with_short_last_edges(surfaces, runs, every, params)
     runs = close_gaps(surfaces, runs, is_allowed)
@@ -180,7 +179,7 @@ def _with_foot(surfaces: Sequence[Surface], run: list[Link], links: Sequence[Lin
         link
         for link in links
         if link.upper == first.lower
-        and surfaces[link.lower].area_m2 > BASE_RATIO * surfaces[link.upper].area_m2
+        and surfaces[link.lower].area_m2 > priors.FLOOR_RATIO * surfaces[link.upper].area_m2
         and rise_m <= priors.MOST_UNEVEN * link.rise_m
         and link.rise_m <= (priors.TALLEST_FOOT if len(run) >= priors.SURE_RISERS else priors.MOST_UNEVEN) * rise_m
     ]
@@ -247,9 +246,9 @@ def _with_short_last_edges(
             for link in every
             if link.lower == last.upper
             and link.upper not in steps
-            and link.length_m < LEAST_CONTACT_M
+            and link.length_m < priors.SHORTEST_EDGE_M
             and abs(link.rise_m - rise_m) <= _LAST_RISE * rise_m
-            and surfaces[link.lower].area_m2 <= BASE_RATIO * usual_m2 < surfaces[link.upper].area_m2
+            and surfaces[link.lower].area_m2 <= priors.FLOOR_RATIO * usual_m2 < surfaces[link.upper].area_m2
             and _consistency(last, link, params) > 0.0
         ]
         result.append([*run, found[0]] if len(run) >= priors.SURE_RISERS and len(found) == 1 else run)
@@ -297,7 +296,7 @@ def _cut_at_landings(run: list[Link], forced: Forced) -> list[list[Link]]:
         # Where a tread is missing, the step below it only looks deep.
         is_deep = is_deep and not link.n_missing and not previous.n_missing
         # The way to a short edge, which may lie far on one side, is no depth either.
-        is_deep = is_deep and link.length_m >= LEAST_CONTACT_M
+        is_deep = is_deep and link.length_m >= priors.SHORTEST_EDGE_M
         kind = forced.kinds.get(link.lower)
         if kind == "landing" or (is_deep and kind != "tread"):
             pieces.append([])
@@ -324,7 +323,7 @@ def _is_flight(
         return True
     # Two risers are what furniture imitates most easily: a heap of boxes has no common width and direction.
     first, second = run
-    if not is_base(surfaces, run) or second.climb is None or second.length_m < _SHORT_WIDTH_M:
+    if not is_base(surfaces, run) or second.climb is None or second.length_m < priors.NARROWEST_OF_TWO_M:
         return False
     if first.climb is not None and angle_deg(first.climb, second.climb) > STRAIGHT_DEG:
         return False
@@ -335,7 +334,7 @@ def _is_flight(
     is_filled = tread.area_m2 >= 0.5 * depth_m * min(first.length_m, second.length_m)
     return (
         high <= priors.MOST_UNEVEN_OF_TWO * low
-        and 0.15 <= depth_m <= priors.LONGEST_TREAD_M
+        and priors.SHALLOWEST_OF_TWO_M <= depth_m <= priors.LONGEST_TREAD_M
         and evenly_wide
         and is_filled
     )

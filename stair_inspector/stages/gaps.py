@@ -9,7 +9,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Surface
-from stair_inspector.stages.links import BASE_RATIO, Link, angle_deg, depth_along, height_at
+from stair_inspector.stages.links import Link, angle_deg, depth_along, height_at
 
 STRAIGHT_DEG = 15.0
 _MAX_MISSING = 3
@@ -17,8 +17,6 @@ _RISE_TOLERANCE, _GOING_TOLERANCE = 0.22, 0.44
 """How far a gap may be from a whole number of rises and of goings, as a share of one."""
 _FEWEST_LINKS = 2
 """Links that two runs need between them, so that there is a going to compare the gap with."""
-_SURE_LINKS = 3
-"""Links after which a run is a flight by itself, which a surface alone may continue."""
 _NEAREST_LINKS = 6
 """Rise, going and direction at the end of a run are those of so many links there."""
 _MIDDLE = 0.4
@@ -28,8 +26,6 @@ _PRESENT_SHARE = 0.4
 _SHORT_OF, _BEYOND = 0.35, 0.5
 """How much less and more than the goings of the missing treads a floor may end in front of the first one seen."""
 _FLOOR_M, _FRONT_M = 0.6, 0.3
-_UNDER_M = 0.06
-"""A floor that goes on so far behind the front of a tread goes on below it."""
 _TALL = 1.5
 
 
@@ -88,7 +84,7 @@ def is_base(surfaces: Sequence[Surface], run: Sequence[Link]) -> bool:
     seen_m2 = float(np.median([surfaces[link.upper].area_m2 for link in run]))
     goings = [going_between(first, second) for first, second in itertools.pairwise(run)]
     whole_m2 = float(np.median(goings)) * float(np.median([link.length_m for link in run])) if goings else 0.0
-    return surfaces[first.lower].area_m2 > BASE_RATIO * max(seen_m2, whole_m2)
+    return surfaces[first.lower].area_m2 > priors.FLOOR_RATIO * max(seen_m2, whole_m2)
 
 
 def going_between(first: Link, second: Link) -> float:
@@ -156,7 +152,7 @@ def tall_foot(
     found = []
     for _, pace, front_m, end_m, rise_m in _floors_before(surfaces, run, is_allowed):
         if front_m - end_m < (1.0 - _SHORT_OF) * pace.going_m and rise_m > _TALL * pace.rise_m:
-            goes_under = end_m > front_m + _UNDER_M
+            goes_under = end_m > front_m + priors.DEEPEST_OVERHANG_M
             is_far = rise_m > (2.0 + _RISE_TOLERANCE) * pace.rise_m
             found.append((rise_m, pace.rise_m, is_far or (goes_under and _whole(rise_m, pace) >= 2)))
     return min(found, default=None)
@@ -196,12 +192,12 @@ def _floors_before(
     """Yield the floors before a run that begins with a tread: number, pace, front of the tread, end, height below."""
     pace = _pace(surfaces, run[:_NEAREST_LINKS], False)
     lowest = surfaces[run[0].lower]
-    front_m = None if pace is None or len(run) < _SURE_LINKS else pace.front_of(lowest)
+    front_m = None if pace is None or len(run) < priors.SURE_RISERS else pace.front_of(lowest)
     if pace is None or front_m is None:
         return
     usual_m2 = pace.going_m * (pace.high_m - pace.low_m)
     for number, floor in enumerate(surfaces):
-        is_floor = floor.area_m2 > BASE_RATIO * usual_m2 and floor.height_m < lowest.height_m
+        is_floor = floor.area_m2 > priors.FLOOR_RATIO * usual_m2 and floor.height_m < lowest.height_m
         end_m = _end_of(floor, pace, front_m) if is_floor and is_allowed[number] else None
         if end_m is not None:
             rise_m = height_at(lowest, pace.place(front_m)) - height_at(floor, pace.place(end_m))
@@ -268,7 +264,7 @@ def _below(
 
 def _may_join(run: Sequence[Link], bridge: Link, end: Link | None, other: Sequence[Link] | None) -> bool:
     """Return whether a run is long enough for what continues it, whose nearest link climbs the same way."""
-    if len(run) < _SURE_LINKS and (other is None or not bridge.n_missing):
+    if len(run) < priors.SURE_RISERS and (other is None or not bridge.n_missing):
         return False
     if end is None or bridge.climb is None:
         return True

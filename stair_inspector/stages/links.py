@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Patches, Surface
 from stair_inspector.params import FlightsParams
 
 _LEAN_M = 0.1
 """How far the mean heights of two surfaces may be from their heights at the edge between them."""
-LEAST_CONTACT_M = 0.2
-"""An edge that is shorter makes no link by itself."""
 _WEAKEST_CONTACT_M = 0.1
 _FACING_SHARE = 0.5
 """Share of the narrower surface's width along which an edge must run; a ragged shadow leaves less of it at first."""
@@ -22,8 +21,6 @@ _BAND_CELLS = 2.5
 _LOCAL_M = 0.3
 _COVERED_SHARE = 0.6
 """Where so much of a surface lies over another one, their common edge has no direction."""
-BASE_RATIO = 2.2
-"""A surface this much larger than the one above it is a floor or landing from which a flight may begin anywhere."""
 CLIMB_TOLERANCE_DEG = 45.0
 """How far a flight's direction may be from the one that the inspector gives."""
 _TOWARDS = 0.5
@@ -53,7 +50,7 @@ def find_links(
 ) -> list[Link]:
     """Find all pairs of surfaces a riser apart in height that touch in plan, or nearly.
 
-    Edges shorter than ``LEAST_CONTACT_M`` are among them: weak links, which may join runs but not begin any.
+    Edges shorter than ``priors.SHORTEST_EDGE_M`` are among them: weak links, which may join runs but not begin any.
 
     Parameters
     ----------
@@ -126,7 +123,7 @@ def _link(
         return None
     to_above, near_above = (found[:, 0] for found in trees[upper].query(below.cells_m.T))
     is_covered = np.count_nonzero(to_below <= 1.5 * cell_m) > _COVERED_SHARE * above.cells_m.shape[1]
-    if is_covered and below.area_m2 <= BASE_RATIO * above.area_m2:
+    if is_covered and below.area_m2 <= priors.FLOOR_RATIO * above.area_m2:
         return None
     if given is None:
         along, middle, length_m = _edge_between(below, above, to_below, to_above, reach, cell_m)

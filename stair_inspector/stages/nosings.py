@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_extent_edge, find_face_edge
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
@@ -29,14 +30,10 @@ _FACE_BAND_M = 0.012
 """A nosing's face is looked for from below its tread's noise down to 32 mm, or 12 mm farther than the noise."""
 _FACE_REACH_M = 0.012
 _FACE_TRIES, _FACE_CENTRED = 4, 0.25
-_RISER_REACH_M = 0.055
-_RISER_BEHIND_M = 0.035
-"""A riser face lies from 20 mm in front of the nosing above it to 90 mm behind: half width and middle of the search."""
-_SLAB_M = 0.05
-"""So much below a nosing its own front may stand before the riser."""
-_DEEPEST_OVERHANG_M = 0.06
+_RISER_REACH_M = (priors.RISER_BEHIND_M + priors.RISER_AHEAD_M) / 2.0
+_RISER_BEHIND_M = (priors.RISER_BEHIND_M - priors.RISER_AHEAD_M) / 2.0
+"""Half width and middle of the search for a riser's face, behind the nosing above it."""
 _BESIDE_M = 0.15
-_STRAIGHT_ON_DEG = 10.0
 _MOST_NEAR = 60_000
 """Points beyond which a step's plane and edges become no better, only slower."""
 _OBSTRUCTED_M = 0.015
@@ -117,7 +114,7 @@ def flight_after(chains: Chains, number: int) -> int | None:
     chain = chains.chains[number]
     for later in range(number + 1, len(chains.chains)):
         other = chains.chains[later]
-        if other.base == chain.steps[-1] and angle_deg(other.climbs[-1], chain.climbs[-1]) <= _STRAIGHT_ON_DEG:
+        if other.base == chain.steps[-1] and angle_deg(other.climbs[-1], chain.climbs[-1]) <= priors.STRAIGHT_ON_DEG:
             return later
     return None
 
@@ -517,7 +514,7 @@ def _with_back(shape: StepShape, finder: _Finder, above: StepShape | None, rise_
     nosing = s0 + slope * (middle - w0)
     sigma = finder.sampling.sigma_m
     near_m = max(_FACE_NEAR_M, _FACE_NEAR_SIGMA * sigma)
-    far_m = max(min(0.65 * rise_m, rise_m - _SLAB_M), near_m + _FACE_BAND_M)
+    far_m = max(min(0.65 * rise_m, rise_m - priors.NOSING_THICKNESS_M), near_m + _FACE_BAND_M)
     riser: EdgeLine | None = None
     if finder.params.edge_source != "tread":
         guess = (nosing + _RISER_BEHIND_M, slope)
@@ -529,7 +526,9 @@ def _with_back(shape: StepShape, finder: _Finder, above: StepShape | None, rise_
         return replace(shape, back=extent)
     # What is seen ends before the nosing above: that is where its shadow begins, not the tread's end.
     seen = nosing if extent is None else max(extent.at(middle), shape.extent[1])
-    return replace(shape, back_limits=(min(seen, nosing + _DEEPEST_OVERHANG_M), nosing + _DEEPEST_OVERHANG_M))
+    return replace(
+        shape, back_limits=(min(seen, nosing + priors.DEEPEST_OVERHANG_M), nosing + priors.DEEPEST_OVERHANG_M)
+    )
 
 
 def _front_ends(shape: StepShape) -> tuple[float, float]:

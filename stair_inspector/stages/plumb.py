@@ -40,7 +40,7 @@ class _Slopes:
     up_from_treads: Floats
 
 
-def refine_up(scan: Scan, normals: Normals, up: Up) -> Up:
+def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None = None) -> Up:
     """Compare the floor's normal with the treads', take the better one where they disagree, and say how sure it is.
 
     Parameters
@@ -49,6 +49,8 @@ def refine_up(scan: Scan, normals: Normals, up: Up) -> Up:
         Of one scan.
     up : Up
         As the floor gives it.
+    limits : FlightsParams, optional
+        What follows each other as steps; the defaults where none are given.
 
     Returns
     -------
@@ -57,13 +59,15 @@ def refine_up(scan: Scan, normals: Normals, up: Up) -> Up:
 
     Notes
     -----
-    The treads are found with the default settings, whatever the user's are, so that up does not move while a slider
-    does. Where floor and treads disagree: if the scan's z axis is within 3 degrees of either it was levelled, and the
-    one nearer to it is taken; else the treads are, of which there are several, if they agree with each other.
+    But for limits that are wider, the treads are found with the default settings, whatever the user's are, so that up
+    does not move while a slider does. Where floor and treads disagree: if the scan's z axis is within 3 degrees of
+    either it was levelled, and the one nearer to it is taken; else the treads are, of which there are several, if they
+    agree with each other.
     """
     few = _thinned(scan, normals)
+    limits = limits or FlightsParams()
     floor_up = up
-    by_floor = _slopes(*few, up)
+    by_floor = _slopes(*few, up, limits)
     if by_floor is None:
         return up
     # Without a floor at the foot of a flight, nothing tells how well the plane found elsewhere is known.
@@ -86,7 +90,7 @@ def refine_up(scan: Scan, normals: Normals, up: Up) -> Up:
     vector = up.vector
     for _ in range(_ROUNDS):
         vector = treads.up_from_treads
-        again = _slopes(*few, replace(up, vector=own(vector, (3,), "up")))
+        again = _slopes(*few, replace(up, vector=own(vector, (3,), "up")), limits)
         if again is None or again.n_treads < _FEWEST_TREADS:
             break
         treads = again
@@ -118,14 +122,14 @@ def _thinned(scan: Scan, normals: Normals) -> tuple[Scan, Normals]:
     return few, Normals(own(normals.vectors[ids], (None, 3), "normals"))
 
 
-def _slopes(scan: Scan, normals: Normals, up: Up) -> _Slopes | None:
+def _slopes(scan: Scan, normals: Normals, up: Up, limits: FlightsParams) -> _Slopes | None:
     """Find treads and floor relative to an up direction; None where there is no flight."""
     heights = order_by_height(scan, normals, up)
     horizontal = select_horizontal(heights, HorizontalParams())
     params = LevelsParams()
     levels = find_levels(horizontal, find_height_reach(horizontal, params.eps_m), params)
     patches = split_levels(horizontal, levels, PatchesParams(), params)
-    chains = find_chains(patches, FlightsParams(), PatchesParams().min_area_m2, Forced({}))
+    chains = find_chains(patches, limits, PatchesParams().min_area_m2, Forced({}))
     numbers = sorted({k for chain in chains.chains for k in chain.steps})
     if not numbers:
         return None

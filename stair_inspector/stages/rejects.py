@@ -10,10 +10,9 @@ from stair_inspector import priors
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats, Ints, freeze
 from stair_inspector.model import Chains, Horizontal, Patches, Scan, Surface
-from stair_inspector.params import OverrulesParams, Verdict, parse_force, parse_up
+from stair_inspector.params import FlightsParams, OverrulesParams, Verdict, parse_force, parse_up
 
-_NARROWEST_M, _LINE_M = 0.1, 0.02
-_SLAB_M = 0.6
+_LINE_M = 0.02
 _OVER_SHARE = 0.3
 _SAME_HEIGHT_M = 0.04
 _REACH_M = 0.5
@@ -21,8 +20,6 @@ _REACH_M = 0.5
 _UNDER_SHARE = 0.5
 _LEAST_LEVEL = 0.2
 """A direction that is steeper than 78 degrees says nothing about the plan."""
-_RISER_M, _BESIDE_M = (0.06, 0.3), 0.15
-"""Heights of a riser, and how near in plan the step below it lies: as far as the flights' own limits reach."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,7 +129,12 @@ def lean_deg(surface: Surface) -> float:
 
 
 def explain_rejects(
-    patches: Patches, chains: Chains, forced: Forced, taken: frozenset[int], least_area_m2: float
+    patches: Patches,
+    chains: Chains,
+    forced: Forced,
+    taken: frozenset[int],
+    least_area_m2: float,
+    limits: FlightsParams,
 ) -> dict[int, str]:
     """Return for every surface that is no part of a staircase the sentence why.
 
@@ -144,6 +146,8 @@ def explain_rejects(
         Surfaces that are steps, landings or floor.
     least_area_m2 : float
         Smallest area of a tread.
+    limits : FlightsParams
+        Heights of a riser, and how near in plan the step below it lies.
     """
     surfaces = patches.surfaces
     side_m = 2.0 * patches.cell_m
@@ -168,6 +172,7 @@ def explain_rejects(
             tops,
             [surfaces[k] for k in over],
             least_area_m2,
+            limits,
         )
     return reasons
 
@@ -180,6 +185,7 @@ def _why(
     tops: Sequence[Surface],
     over: Sequence[Surface],
     least_area_m2: float,
+    limits: FlightsParams,
 ) -> str:
     """Return why a surface is rejected: what the inspector ``decided``, or what is seen.
 
@@ -191,10 +197,10 @@ def _why(
     if not steps:
         return "no second and third surface a riser apart follow it in plan, as the steps of a flight would"
     gaps = [surface.height_m - other.height_m for other in over]
-    if any(-_SLAB_M <= gap < -_SAME_HEIGHT_M for gap in gaps):
+    if any(-priors.DEEPEST_BELOW_M <= gap < -_SAME_HEIGHT_M for gap in gaps):
         depth_m = max(gap for gap in gaps if gap < -_SAME_HEIGHT_M)
         return f"lies {-depth_m * 1000.0:.0f} mm under a step: the underside of a slab, or what stands below the stairs"
-    rise_m = _rise_from_beside(surface, tops)
+    rise_m = _rise_from_beside(surface, tops, limits)
     if rise_m is not None:
         return (
             f"lies {rise_m * 1000.0:.0f} mm above the last step of a flight and beside it, but no edge was seen along "
@@ -216,15 +222,16 @@ def _why(
     return "no step of the stairs is a riser above or below it and beside it in plan"
 
 
-def _rise_from_beside(surface: Surface, tops: Sequence[Surface]) -> float | None:
+def _rise_from_beside(surface: Surface, tops: Sequence[Surface], limits: FlightsParams) -> float | None:
     """Return how far a surface lies above a flight's last step that ends a riser below it and beside it, metres."""
-    low, high = surface.cells_m.min(axis=1) - _BESIDE_M, surface.cells_m.max(axis=1) + _BESIDE_M
+    beside_m = limits.max_gap_m
+    low, high = surface.cells_m.min(axis=1) - beside_m, surface.cells_m.max(axis=1) + beside_m
     for top in tops:
         rise_m = surface.height_m - top.height_m
-        if not _RISER_M[0] <= rise_m <= _RISER_M[1]:
+        if not limits.min_rise_m <= rise_m <= limits.max_rise_m:
             continue
         near = top.cells_m[:, ((top.cells_m >= low[:, None]) & (top.cells_m <= high[:, None])).all(axis=0)]
-        if any(float(np.hypot(*(surface.cells_m - place[:, None])).min()) <= _BESIDE_M for place in near.T):
+        if any(float(np.hypot(*(surface.cells_m - place[:, None])).min()) <= beside_m for place in near.T):
             return rise_m
     return None
 
@@ -235,7 +242,7 @@ def _why_by_itself(surface: Surface, least_area_m2: float) -> str | None:
         return f"only {surface.area_m2:.3f} m² large, less than any tread (patches.min_area_m2 is {least_area_m2:g})"
     if lean_deg(surface) > priors.STEEPEST_TREAD_DEG:
         return f"leans by {lean_deg(surface):.0f}°: a ramp or a slanting object, not a tread"
-    if _narrow_side(surface) < _NARROWEST_M:
+    if _narrow_side(surface) < priors.NARROWEST_TREAD_M:
         return f"only {_narrow_side(surface) * 1000.0:.0f} mm wide: a railing, a ledge or a beam"
     return None
 

@@ -34,7 +34,6 @@ from stair_inspector.stages.parts import Common, Doubts
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.treads import nearest_rows
 
-_SPIRAL_DEG = 120.0
 _OWN = ("noise", "resolution", "layers")
 """Parts that every nosing has for itself."""
 
@@ -492,8 +491,8 @@ def _flight_of(
         climb=own(context.scan_from_level[:, :2] @ climb, (3,), "climb"),
         pitch_deg=_best_pitch(chain, shapes, steps, context),
         width_m=_mean_of(widths),
-        rise=_statistics([(step.step_id, step.rise_m) for step in steps]),
-        going=_statistics([(step.step_id, step.going_m) for step in steps if step.kind == "tread"]),
+        rise=statistics_of([(step.step_id, step.rise_m) for step in steps]),
+        going=statistics_of([(step.step_id, step.going_m) for step in steps if step.kind == "tread"]),
     )
 
 
@@ -503,7 +502,7 @@ def _shape_name(chain: Chain, shapes: tuple[StepShape, ...]) -> Literal["straigh
     climbs = find_climbs(chain, shapes)
     turns = [turn_deg(a, b) for a, b in itertools.pairwise(climbs)]
     is_one_way = all(turn * sum(turns) > 0.0 for turn in turns)
-    return "spiral" if is_one_way and abs(sum(turns)) > _SPIRAL_DEG else "winder"
+    return "spiral" if is_one_way and abs(sum(turns)) > priors.SPIRAL_DEG else "winder"
 
 
 def _best_pitch(chain: Chain, shapes: tuple[StepShape, ...], steps: Sequence[Step], context: Common) -> Measured | None:
@@ -551,7 +550,7 @@ def _mean_of(values: Sequence[Measured]) -> Measured | None:
     return expanded(float(np.mean([value.value for value in values])), **parts)
 
 
-def _statistics(values: Sequence[tuple[int, Measured | None]]) -> Statistics | None:
+def statistics_of(values: Sequence[tuple[int, Measured | None]]) -> Statistics | None:
     """Return the statistics of a quantity over steps; a step without a value parts its neighbours."""
     known = [value.value for _, value in values if value is not None]
     if not known:

@@ -157,7 +157,8 @@ def _name_patches(
     bases = frozenset(chain.base for chain in chains.chains if chain.base is not None)
     floors = bases - step_of.keys() if survey.steps else _lowest_surface(patches, forced)
     taken = floors | step_of.keys()
-    reasons = explain_rejects(patches, chains, forced, taken, paper.params.patches.min_area_m2)
+    wanted = paper.params
+    reasons = explain_rejects(patches, chains, forced, taken, wanted.patches.min_area_m2, wanted.flights)
     return tuple(
         Patch(
             patch_id=number,

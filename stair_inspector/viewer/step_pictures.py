@@ -9,6 +9,7 @@ import io
 import numpy as np
 from PIL import Image
 
+from stair_inspector import priors
 from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Scan, Step
 from stair_inspector.report.pictures.coloring import color_residuals, residual_legend, residual_limit
@@ -26,7 +27,6 @@ _MARGIN = 6
 _CAPTION = 16
 _BEFORE, _BEHIND, _BELOW, _ABOVE = 0.35, 1.5, 1.35, 0.75
 """How much of a step's surroundings its section shows, in goings and rises."""
-_USUAL_GOING_M, _USUAL_RISE_M = 0.28, 0.17
 _LONGEST_GOING_M = 0.45
 """Of a landing's going only so much is shown."""
 
@@ -84,8 +84,8 @@ def step_section_svg(scan: Scan, inspection: Inspection, step: Step, palette: Pa
     slab = cut(frame, "along", place_m, _SECTION_THICKNESS_M, step.corners)
     x = (step.corners - frame.origin) @ frame.climb
     height = float((step.plane.centroid + np.array(inspection.scan.origin_m)) @ frame.up)
-    going = min(step.going_m.value, _LONGEST_GOING_M) if step.going_m is not None else _USUAL_GOING_M
-    rise = step.rise_m.value if step.rise_m is not None else _USUAL_RISE_M
+    going = min(step.going_m.value, _LONGEST_GOING_M) if step.going_m is not None else priors.USUAL_GOING_M
+    rise = step.rise_m.value if step.rise_m is not None else priors.USUAL_RISE_M
     # Of a landing only the front.
     back = min(float(x.max()), float(x.min()) + going)
     around = np.array(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.model import Normals, Up
-from stair_inspector.params import FloorParams
+from stair_inspector.params import FlightsParams, FloorParams
 from stair_inspector.stages.orient import find_up
 from stair_inspector.stages.plumb import refine_up
 from tests.synthetic import Stair, make_scan, rotation
@@ -189,3 +189,15 @@ def test_neither_scan_nor_up_is_changed():
     np.testing.assert_array_equal(scan.points, before)
     np.testing.assert_array_equal(first.vector, second.vector)
     assert up.u_deg is None
+
+
+def test_a_wider_limit_of_the_rise_reaches_the_treads_that_give_the_vertical():
+    # Of rises that only wider limits let in: with the usual ones there is no flight, and the sloping floor is all.
+    steep = Stair(n_steps=8, rise=0.33, spacing=0.02, floor_depth=2.0, noise=0.001, seed=8)
+    points, normals = leaning(steep, {0}, 2.0)
+    scan, floor = make_scan(points, normals), Up(rotation("y", 2.0)[:, 2], "floor")
+    found = Normals(scan.normals)
+    assert refine_up(scan, found, floor).source == "floor"
+    up = refine_up(scan, found, floor, FlightsParams(max_rise_m=0.5).at_least_usual)
+    assert up.source == "treads"
+    assert degrees_between(up.vector, LEVEL) == pytest.approx(0.0, abs=0.1)

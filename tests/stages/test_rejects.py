@@ -22,26 +22,27 @@ from tests.synthetic import make_scan, rotation
 
 LEAST_AREA_M2 = PatchesParams.min_area_m2
 NO_FORCE = Forced({})
+LIMITS = FlightsParams()
 STAIR = [floor(), *flight(5)]
 """The floor (0) and the steps (1 to 5), 0.85 m high."""
 BESIDE = (2.0, 2.5)
 """A range of y well beside the stair, which reaches from 0 to 1."""
 
 
-def reasons_of(surfaces, forced=NO_FORCE):
+def reasons_of(surfaces, forced=NO_FORCE, limits=LIMITS):
     """The reasons for whatever the chaining itself leaves over."""
     patches = patches_of(surfaces)
-    chains = find_chains(patches, FlightsParams(), LEAST_AREA_M2, forced)
+    chains = find_chains(patches, limits, LEAST_AREA_M2, forced)
     bases = {chain.base for chain in chains.chains if chain.base is not None}
     taken = frozenset(bases.union(*(chain.steps for chain in chains.chains)))
-    reasons = explain_rejects(patches, chains, forced, taken, LEAST_AREA_M2)
+    reasons = explain_rejects(patches, chains, forced, taken, LEAST_AREA_M2, limits)
     assert set(reasons) == set(range(len(surfaces))) - taken, "what is taken has no reason, all else has one"
     return reasons
 
 
-def reason(surface, stair=STAIR):
+def reason(surface, stair=STAIR, limits=LIMITS):
     """Why a surface that was added to the staircase is no step, the staircase itself being one."""
-    reasons = reasons_of([*stair, surface])
+    reasons = reasons_of([*stair, surface], limits=limits)
     assert list(reasons) == [len(stair)]
     return reasons[len(stair)]
 
@@ -110,6 +111,13 @@ def test_a_surface_a_riser_above_the_last_step_is_no_ceiling_however_high_above_
     )
 
 
+def test_what_a_riser_is_follows_the_limits_of_the_flights():
+    stair = [floor((-0.8, 6.0), (-2.0, 2.0)), *flight(11)]
+    above = rectangle((11 * GOING, 11 * GOING + 1.5), (1.04, 1.9), 11 * RISE + 0.4)
+    assert reason(above, stair) == "2.27 m above the floor: a ceiling or the storey above"
+    assert reason(above, stair, FlightsParams(max_rise_m=0.5)).startswith("lies 400 mm above the last step of a flight")
+
+
 def test_a_floor_apart_at_the_height_of_the_first_is_floor_elsewhere():
     found = reason(rectangle((3.0, 5.0), (2.0, 4.0), 0.02))
     assert (
@@ -154,7 +162,7 @@ def test_reasons_do_not_depend_on_the_order_of_the_surfaces():
 
 
 def test_no_surfaces_have_no_reasons():
-    assert explain_rejects(patches_of([]), Chains(()), NO_FORCE, frozenset(), LEAST_AREA_M2) == {}
+    assert explain_rejects(patches_of([]), Chains(()), NO_FORCE, frozenset(), LEAST_AREA_M2, LIMITS) == {}
 
 
 @pytest.mark.parametrize(("depth", "degrees", "may"), [(0.1, 11.9, True), (0.1, 12.1, False), (0.02, 0.0, False)])

@@ -1,0 +1,168 @@
+"""Is what was measured a step at all? Values that no staircase has are taken out, with the reason in their place."""
+
+import dataclasses
+import math
+from collections.abc import Container, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stair_inspector import priors
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.model import Flight, Note, Step
+from stair_inspector.params import FlightsParams
+from stair_inspector.stages.survey import Survey, statistics_of
+
+CODE = "step_impossible"
+"""Of the note that says what could not be, with the number of the step whose edge it was."""
+_OVER_NOSING = ("going_m", "going_lcr_m", "pitch_deg", "nosing_overhang_m")
+"""What a step has from its own nosing to the next one."""
+_OF_NOSING = ("rise_m", "rise_lcr_m", "tread_depth_m", *_OVER_NOSING)
+"""What of a step hangs on its own nosing."""
+
+
+@dataclass(slots=True)
+class _Lost:
+    """What is taken out, by step number, and why."""
+
+    fields: dict[int, set[str]] = field(default_factory=dict)
+    notes: list[Note] = field(default_factory=list)
+
+    def take(self, step: Step | None, *names: str) -> None:
+        if step is not None:
+            self.fields.setdefault(step.step_id, set()).update(names)
+
+
+def take_out_impossible(survey: Survey, limits: FlightsParams) -> Survey:
+    """Take out of a survey what no staircase has.
+
+    A going that is not positive, a pitch that is steeper than any stair, nosings that cross: then one of the two edges
+    was found in the wrong place, and so is everything that is measured from it. It is the one that fits its other
+    neighbour worse; where neither has another, both are doubted. A rise, a depth or a width that is not positive is
+    taken out by itself.
+
+    Parameters
+    ----------
+    survey : Survey
+        As it was measured.
+    limits : FlightsParams
+        A stair with the largest rise that the user looks for is possible however steep it is.
+
+    Returns
+    -------
+    Survey
+        The same one where all is possible. Otherwise those values are None, a note with the step's number says why, and
+        the statistics and the pitch of the flight are without them.
+    """
+    lost = _Lost()
+    by_id = {step.step_id: step for step in survey.steps}
+    steepest_deg = steepest_pitch_deg(limits)
+    for flight in survey.flights:
+        own = [by_id[number] for number in flight.step_ids]
+        _review_flight(own, flight.shape == "straight", steepest_deg, lost)
+    if not lost.fields:
+        return survey
+    steps = tuple(
+        dataclasses.replace(step, **dict.fromkeys(lost.fields.get(step.step_id, ())))  # type: ignore[arg-type]
+        for step in survey.steps
+    )
+    flights = tuple(_without(flight, steps, lost.fields.keys()) for flight in survey.flights)
+    return dataclasses.replace(survey, steps=steps, flights=flights, notes=(*survey.notes, *lost.notes))
+
+
+def steepest_pitch_deg(limits: FlightsParams) -> float:
+    """Return the pitch above which there is no stair, degrees; the user's largest rise over a usual going has less."""
+    return max(priors.STEEPEST_PITCH_DEG, math.degrees(math.atan(limits.max_rise_m / priors.USUAL_GOING_M)))
+
+
+def _review_flight(steps: Sequence[Step], is_straight: bool, steepest_deg: float, lost: _Lost) -> None:
+    why = {}
+    for k, step in enumerate(steps):
+        upper = steps[k + 1] if k + 1 < len(steps) else None
+        reason = _why_not(step, upper, is_straight, steepest_deg)
+        if reason:
+            why[k] = reason
+        for name, what in (("rise_m", "rise"), ("tread_depth_m", "depth"), ("width_m", "width")):
+            measured = getattr(step, name)
+            if measured is not None and measured.value <= 0.0:
+                lost.take(step, name, *({"tread_depth_m": ("nosing_overhang_m",)}.get(name, ())))
+                message = f"step {step.step_id}: a {what} of {_mm(measured.value)} is none: its edges were mistaken"
+                lost.notes.append(Note(CODE, "impossible", message, step.step_id))
+    goings = [step.going_m.value for k, step in enumerate(steps) if step.going_m is not None and k not in why]
+    usual_m = float(np.median(goings)) if goings else priors.USUAL_GOING_M
+    for k, reason in why.items():
+        upper = steps[k + 1] if k + 1 < len(steps) else None
+        lost.take(steps[k], *_OVER_NOSING)
+        lost.take(upper, "rise_m", "rise_lcr_m")
+        for wrong in _mistaken(steps, k, why, usual_m):
+            lost.take(steps[wrong], *_OF_NOSING)
+            lost.take(steps[wrong - 1] if wrong else None, *_OVER_NOSING)
+            lost.take(steps[wrong + 1] if wrong + 1 < len(steps) else None, "rise_m", "rise_lcr_m")
+            number = steps[wrong].step_id
+            message = (
+                f"step {number}: {reason}, as on no staircase: what was found is not its nosing, and nothing is "
+                "measured from it"
+            )
+            lost.notes.append(Note(CODE, "impossible", message, number))
+
+
+def _why_not(step: Step, upper: Step | None, is_straight: bool, steepest_deg: float) -> str:
+    """Return what is impossible from the nosing of a step to the next one, empty if nothing."""
+    pair = "the next nosing" if upper is None else f"the nosing of step {upper.step_id}"
+    going = step.going_m
+    if going is not None and going.value <= 0.0:
+        return f"{pair} would lie {_mm(-going.value)} in front of that of step {step.step_id}"
+    lines = [going_m for going_m in step.going_lcr_m or () if going_m is not None]
+    if any(going_m <= 0.0 for going_m in lines) or (is_straight and upper is not None and _cross(step, upper)):
+        return f"{pair} would cross that of step {step.step_id}"
+    if step.pitch_deg is not None and step.pitch_deg.value > steepest_deg:
+        return f"{pair} would lie {step.pitch_deg.value:.0f}° above that of step {step.step_id}"
+    return ""
+
+
+def _cross(lower: Step, upper: Step) -> bool:
+    """Return whether the nosings of two steps cross in plan."""
+    if lower.nosing is None or upper.nosing is None or lower.climb is None or lower.going_m is None:
+        return False
+    (a, b), (c, d) = lower.nosing, upper.nosing
+    return _sides(a, b, c, d, lower.climb) and _sides(c, d, a, b, lower.climb)
+
+
+def _sides(a: Floats, b: Floats, c: Floats, d: Floats, climb: Floats) -> bool:
+    """Return whether two points c and d lie on different sides of the line from a to b; all as seen in plan."""
+    up = np.cross(climb, b - a)
+    first, second = (float(np.cross(b - a, end - a) @ up) for end in (c, d))
+    return first * second < 0.0
+
+
+def _mistaken(steps: Sequence[Step], k: int, why: dict[int, str], usual_m: float) -> list[int]:
+    """Return which of two steps between which something is impossible has the wrong edge: one of them, or both."""
+    if k + 1 == len(steps):
+        return [k]
+    # The other going that each edge has a part in; an impossible one speaks against it as none does.
+    others = (k - 1, k + 1)
+    off = []
+    for other in others:
+        going = steps[other].going_m if 0 <= other < len(steps) and other not in why else None
+        off.append(math.inf if going is None else abs(going.value - usual_m))
+    if off[0] == off[1]:
+        return [k, k + 1]
+    return [k] if off[0] > off[1] else [k + 1]
+
+
+def _without(flight: Flight, steps: Sequence[Step], concerned: Container[int]) -> Flight:
+    """Return a flight without what was taken out of its steps."""
+    own = [step for step in steps if step.step_id in flight.step_ids]
+    if not any(step.step_id in concerned for step in own):
+        return flight
+    has_line = all(step.rise_m is not None for step in own[1:]) and all(step.going_m is not None for step in own[:-1])
+    return dataclasses.replace(
+        flight,
+        pitch_deg=flight.pitch_deg if has_line else None,
+        rise=statistics_of([(step.step_id, step.rise_m) for step in own]),
+        going=statistics_of([(step.step_id, step.going_m) for step in own if step.kind == "tread"]),
+    )
+
+
+def _mm(length_m: float) -> str:
+    return f"{length_m * 1000.0:.0f} mm"
