@@ -512,7 +512,8 @@ class Inspection:
     ``labels`` (n_used,): 0 floor, k step k, -1 neither. ``floor`` is the floor's plane (local), ``floor_h_m`` the
     paper's h from the floor to the first step. ``axes`` are those of the paper's values, None where there is no step.
     ``flights``, ``patches`` and ``patch_ids`` (n_used,), the patch of every point or -1, are the survey's and empty
-    with the paper's method. ``examination`` is what was found about the scan before it was measured.
+    with the paper's method. ``paper_corners`` holds the corners (4, 3) of every level above the floor, by its number
+    less one, as the paper places them: local. ``examination`` is what was found about the scan before it was measured.
     """
 
     scan: ScanSummary
@@ -531,6 +532,7 @@ class Inspection:
     patches: tuple[Patch, ...] = ()
     patch_ids: Ints | None = None
     examination: tuple[Observation, ...] = ()
+    paper_corners: tuple[Floats, ...] = ()
 
     @property
     def questions(self) -> tuple[Observation, ...]:

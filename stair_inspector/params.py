@@ -147,22 +147,24 @@ class AxesParams(Group):
 
 @dataclass(frozen=True)
 class EdgesParams(Group):
-    """Percentiles that place the edges."""
+    """Percentiles that place the edges of the paper's columns; the survey finds its own."""
 
     front_percentile: Annotated[
         float,
-        Knob(51.0, 100.0, 0.5, "front edge", symbol="α_f", display_unit="%"),
-        Doc("alpha_f: percentile of depth that is the front edge (51 to 100)."),
+        Knob(51.0, 100.0, 0.5, "front edge", symbol="paper's α_f", display_unit="%"),
+        Doc("alpha_f: percentile of depth that is the front edge (51 to 100). Paper's columns only."),
     ] = 95.0
     back_percentile: Annotated[
         float,
-        Knob(0.0, 49.0, 0.5, "back edge", symbol="α_b", display_unit="%"),
-        Doc("alpha_b: percentile of depth that is the back edge (0 to 49)."),
+        Knob(0.0, 49.0, 0.5, "back edge", symbol="paper's α_b", display_unit="%"),
+        Doc("alpha_b: percentile of depth that is the back edge (0 to 49). Paper's columns only."),
     ] = 5.0
     side_percentile: Annotated[
         float,
-        Knob(51.0, 100.0, 0.5, "side edges", display_unit="%"),
-        Doc("Percentile of width that is one side edge; the other is its complement (51 to 100)."),
+        Knob(51.0, 100.0, 0.5, "paper's side", display_unit="%"),
+        Doc(
+            "Percentile of width that is one side edge; the other is its complement (51 to 100). Paper's columns only."
+        ),
     ] = 99.0
 
 

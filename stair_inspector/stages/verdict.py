@@ -80,6 +80,7 @@ def conclude(
         notes=tuple(notes),
         timings_s=timings_s,
         examination=(*examined.observations, *up.observations),
+        paper_corners=tuple(step.corners for step in steps),
     )
 
 

@@ -18,6 +18,7 @@ from stair_inspector.report.units import Unit, tidy
 from stair_inspector.viewer import survey_html
 from stair_inspector.viewer.markup import DIM, LINE, chip, mm, row_start, set_script, table_head, text
 from stair_inspector.viewer.remarks import n_to_look_at, needs_look, on_page
+from stair_inspector.viewer.scene import PAPER_EDGES
 from stair_inspector.viewer.step_marks import MARKED, TONE_RGB, StepMark, mark_html
 
 Columns = Literal["survey", "paper"]
@@ -76,9 +77,7 @@ def table_html(
         Of the steps that are outside a limit.
     """
     marks = marks or {}
-    names: tuple[tuple[str, str, str], ...] = survey_html.COLUMNS if columns == "survey" else _PAPER_COLUMNS
-    if columns == "survey" and unit != "mm":
-        names = tuple((name, unit if of == "mm" else of, hint) for name, of, hint in names)
+    names = survey_html.columns_in(unit) if columns == "survey" else _PAPER_COLUMNS
     rows = ""
     if inspection is not None and columns == "survey":
         rows = survey_html.survey_rows(inspection, palette, selected, pick_uuid, unit, folded, marks)
@@ -102,10 +101,13 @@ def table_html(
     )
 
 
-def legend_html(palette: Palette, *, with_steps: bool = True, tones: Iterable[Tone] = ()) -> str:
+def legend_html(
+    palette: Palette, *, with_steps: bool = True, tones: Iterable[Tone] = (), with_paper: bool = False
+) -> str:
     """Return the legend of the scene's lines and, with ``with_steps``, of its points coloured by step.
 
-    ``tones`` are those of the marks of steps that are outside a limit.
+    ``tones`` are those of the marks of steps that are outside a limit; ``with_paper`` tells that the paper's edges are
+    drawn beside the survey's.
     """
     steps = "".join(chip(color, 10) for color in palette.steps)
     points = [
@@ -118,6 +120,7 @@ def legend_html(palette: Palette, *, with_steps: bool = True, tones: Iterable[To
         *(points if with_steps else ()),
         *(f"{chip(color, *((8,) if words == CENTRE else (16, 4)))} {words}" for color, words in line_entries(palette)),
         *(f"{chip(TONE_RGB[tone], 16, 4)} {text(words)}" for tone, words in MARKED.items() if tone in tones),
+        *([f"{chip(PAPER_EDGES, 16, 4)} edges of the paper's columns"] if with_paper else []),
     ]
     items = "".join(f'<span style="white-space:nowrap">{entry}</span>' for entry in entries)
     return (

@@ -109,10 +109,17 @@ class Panel:
         self.steps.show_rejected.visible = is_survey
 
     def show_legend(
-        self, palette: Palette, legend: Legend | None, mode: ColorMode, marks: Mapping[int, StepMark]
+        self,
+        palette: Palette,
+        legend: Legend | None,
+        mode: ColorMode,
+        marks: Mapping[int, StepMark],
+        *,
+        with_paper: bool = False,
     ) -> None:
         """Show what colours, lines and marks mean."""
-        content = html.legend_html(palette, with_steps=mode == "Step", tones={mark.tone for mark in marks.values()})
+        tones = {mark.tone for mark in marks.values()}
+        content = html.legend_html(palette, with_steps=mode == "Step", tones=tones, with_paper=with_paper)
         if mode != "Step" and legend is not None:
             content = legend_html(legend) + content
         self.legend.content = overlay_html(content)

@@ -27,9 +27,12 @@ _GAP_SHARE = 0.25
 """Gap between the two clouds side by side, as a share of their width."""
 HIGHLIGHT: Rgb = (0, 214, 230)
 MEASURED: Rgb = (230, 60, 140)
-"""Of what an inspector measured by hand: none of the hues of steps, edges and measuring lines."""
+PAPER_EDGES: Rgb = (130, 50, 240)
+"""Of what an inspector measured by hand, and of the paper's edges beside the survey's: none of the hues of steps, edges
+and measuring lines."""
 _CLOUDS = ("/stair/segments/cloud", "/stair/segments/centres", "/stair/segments/selected")
-_LINES = ("/stair/segments/edges", "/stair/segments/nosings", "/stair/segments/outside")
+_PAPER_EDGES = "/stair/segments/paper_edges"
+_LINES = ("/stair/segments/edges", "/stair/segments/nosings", "/stair/segments/outside", _PAPER_EDGES)
 """What a section stands in for: the segmentation's points, and the lines of all steps."""
 _PICKED_POINTS = 2.6
 """Diameter of a picked point, in those of the scan."""
@@ -210,6 +213,11 @@ class Stage:
             np.array(colors, dtype=np.uint8).reshape(-1, 3),
             _MARK_PIXELS,
         )
+
+    @_counted
+    def show_paper_edges(self, lines: Floats) -> None:
+        """Draw the edges (k, 2, 3) that the paper places beside those of the survey, or none."""
+        self._replace_lines(_PAPER_EDGES, lines, PAPER_EDGES, _MARK_PIXELS)
 
     @_counted
     def show_section(

@@ -27,6 +27,7 @@ from stair_inspector.viewer.making import Making
 from stair_inspector.viewer.notices import Notices
 from stair_inspector.viewer.opening import Opening
 from stair_inspector.viewer.panel import Offers, Panel
+from stair_inspector.viewer.paper_edges import PaperEdges
 from stair_inspector.viewer.reach_drag import REACH
 from stair_inspector.viewer.reporting import Reporting
 from stair_inspector.viewer.results import Results
@@ -98,6 +99,7 @@ class Session:
         self.opening = Opening(client, library, self.keeper, self.panel, self.notices, started, kept, end)
         self.results = Results(self.desk, self.panel)
         self.checking = Checking(self.desk, self.panel, self.results, self)
+        self.paper_edges = PaperEdges(self.desk, self._show_legend)
         self.making = Making(self.show_making, lambda: self.desk.is_closed)
         self.tuning = Tuning(self.desk, self.panel, self, params, self.making)
         self.comparing = Comparing(self.desk, self.panel, self, workshop, lambda: self.keeper.scan)
@@ -136,7 +138,7 @@ class Session:
         self.opening.leave()
 
     def _end_threads(self) -> None:
-        for part in (self.runs, self.comparing, self.toolbar.section, self._redraws, self.keeper):
+        for part in (self.runs, self.comparing, self.toolbar.section, self._redraws, self.paper_edges, self.keeper):
             part.close()
 
     # The work: what may be changed, and how it is taken back. See desk.Editor.
@@ -189,14 +191,16 @@ class Session:
 
     def submit(self) -> None:
         """Ask for a run with what the controls show now."""
+        names = ""
         with self.keeper.lock:
             try:
-                self._read_controls()
+                names = self._read_controls()
             except ConfigError as error:
                 self._refusal = str(error)
             else:
                 self._ask()
             refusal = self._refusal
+        self.paper_edges.changed(names)
         if refusal is not None:
             self._failed(refusal)
         else:
@@ -232,10 +236,12 @@ class Session:
 
     # The keeper's lock is held.
 
-    def _read_controls(self) -> None:
-        """Take the settings that the controls show into the work."""
+    def _read_controls(self) -> str:
+        """Take the settings that the controls show into the work; return the names of those that have changed."""
         params = self.panel.controls.read()
-        self.keeper.change(*words_of_change(self.work.params, params), params=params)
+        words, names = words_of_change(self.work.params, params)
+        self.keeper.change(words, names, params=params)
+        return names
 
     def _go_on(self, work: Work, words: str) -> None:
         self.panel.controls.load(work.params)
@@ -307,6 +313,7 @@ class Session:
                 self.results.show_details()
                 self.checking.show()
                 self.reporting.show_readings()
+                self.paper_edges.draw()
                 self._show_legend()
                 self.tuning.know_heights(prepared.heights)
                 self.show_runs()
@@ -428,6 +435,7 @@ class Session:
     def _show_work(self) -> None:
         """Show everything about the work that is no setting."""
         with self.desk.lock, self._client.atomic():
+            self.paper_edges.put_away()
             self._show_changes()
             self.opening.show()
             self.panel.export.title.value = self.work.title
@@ -446,7 +454,9 @@ class Session:
         self.tuning.show_preset()
 
     def _show_legend(self) -> None:
-        self.panel.show_legend(self.desk.palette, self.looking.legend, self.looking.color_mode, self.results.marks)
+        with_paper = self.paper_edges.is_drawn
+        marks, looking = self.results.marks, self.looking
+        self.panel.show_legend(self.desk.palette, looking.legend, looking.color_mode, marks, with_paper=with_paper)
 
     def show_making(self, words: str | None, percent: float) -> None:
         """Show how far the making of files is; None when it is over."""

@@ -36,6 +36,7 @@ COLUMNS = (
     ("depth", "mm", "Tread depth: from the nosing to the face of the riser above, or to the tread's back edge"),
     ("width", "mm", "Between the side edges of the tread; not the clear width between handrails"),
     ("pitch", "°", "Angle of the line from this nosing to the next"),
+    ("RMS", "mm", "Root mean square distance of the points from their plane, in mm; it is not the accuracy"),
     ("cov.", "", "Coverage: share of the tread that has points"),
 )
 _WORST = "#e8590c"
@@ -47,6 +48,11 @@ _REJECTED_COLUMNS = (
     ("area", "m²", "Area in plan"),
     ("reason", "", "Why it is no step"),
 )
+
+
+def columns_in(unit: Unit) -> tuple[tuple[str, str, str], ...]:
+    """Return the columns with the unit of their lengths; residuals are told in millimetres at all times."""
+    return tuple((name, unit if of == "mm" and name != "RMS" else of, hint) for name, of, hint in COLUMNS)
 
 
 def survey_rows(
@@ -242,6 +248,7 @@ def _step_row(
         _cell(step.tread_depth_m, unit, _why(inspection, step, "depth")),
         _cell(step.width_m, unit, _why(inspection, step, "width")),
         _cell(step.pitch_deg, "°", _why(inspection, step, "pitch")),
+        f'<td style="{_CELL}">{mm(step.plane.rms_m, 2)}</td>',
         f'<td style="{_CELL}">{_coverage(step.coverage, _why(inspection, step, "coverage"))}</td>',
     ]
     name = f' <div style="font-size:10px;color:{DIM}">landing</div>' if step.kind == "landing" else ""

@@ -19,7 +19,7 @@ from stair_inspector.simulate.specs import Scanner, Stair
 from tests.browser.inspector_page import ARGUMENTS, InspectorPage, find_browser
 
 BUDGET_MS = 300.0
-MOVES = {"α_f [%]": "ArrowLeft", "ε_z [mm]": "ArrowRight", "m": "ArrowRight", "θ_th [°]": "ArrowLeft"}
+MOVES = {"paper's α_f [%]": "ArrowLeft", "ε_z [mm]": "ArrowRight", "m": "ArrowRight", "θ_th [°]": "ArrowLeft"}
 _USED_CHANGED = "(before) => document.querySelector('[data-testid=used]')?.innerText !== before"
 _STAMP_CHANGE = """() => {
     window.stamps = {};

@@ -154,7 +154,7 @@ class InspectorPage:
             value, u = cell.split("±")
             return float(value), float(u)
 
-        rows = [cells for cells in self.table() if len(cells) == 7]
+        rows = [cells for cells in self.table() if len(cells) == 8]
         return [[cells[0].split()[0], *(read(cell) for cell in cells[1:6])] for cells in rows]
 
     def await_columns(self, columns):

@@ -37,7 +37,7 @@ def test_work_is_saved_beside_the_scan_and_restored_by_the_next_server(browser, 
     try:
         page = InspectorPage(browser, app.port).open()
         assert not saved.exists()
-        page.press("α_f [%]", "ArrowLeft")
+        page.press("paper's α_f [%]", "ArrowLeft")
         page.await_result("α 94.5/5 %")
         page.tab("Export")
         field = page.page.get_by_text("Title", exact=True).and_(page.page.locator("label")).first
@@ -48,7 +48,7 @@ def test_work_is_saved_beside_the_scan_and_restored_by_the_next_server(browser, 
         # A second inspector of the same scan begins anew and writes elsewhere.
         other = InspectorPage(browser, app.port).open()
         other.await_result("α 95/5 %")
-        other.press("α_f [%]", "ArrowLeft", times=2)
+        other.press("paper's α_f [%]", "ArrowLeft", times=2)
         other.await_result("α 94/5 %")
         await_project(folder / "stair.2.stair.json", lambda project: project.params.edges.front_percentile == 94.0)
         assert page.problems == other.problems == []
@@ -63,7 +63,7 @@ def test_work_is_saved_beside_the_scan_and_restored_by_the_next_server(browser, 
         page.await_result("α 94.5/5 %")
         assert "Your work is back" in page.await_notification("Your work is back")
         page.open()
-        assert page.slider_value("α_f [%]") == 94.5
+        assert page.slider_value("paper's α_f [%]") == 94.5
         page.close()
     finally:
         app.stop()
@@ -76,7 +76,7 @@ def test_saved_work_of_another_state_of_the_file_is_left_alone(browser, folder, 
     app = App([folder], Params(), port=0)
     try:
         page = InspectorPage(browser, app.port).open()
-        page.press("α_f [%]", "ArrowLeft")
+        page.press("paper's α_f [%]", "ArrowLeft")
         await_project(saved, lambda project: project.params.edges.front_percentile == 94.5)
         page.close()
     finally:
@@ -89,7 +89,7 @@ def test_saved_work_of_another_state_of_the_file_is_left_alone(browser, folder, 
         page.await_result("α 95/5 %")
         assert "another state of this file" in page.await_notification("Saved work not taken up")
         page.open()
-        page.press("α_f [%]", "ArrowLeft", times=2)
+        page.press("paper's α_f [%]", "ArrowLeft", times=2)
         await_project(folder / "stair.2.stair.json", lambda project: project.params.edges.front_percentile == 94.0)
         page.close()
     finally:

@@ -42,10 +42,19 @@ def test_a_page_opens_with_the_measurement(page, measured):
         pytest.param("θ_th [°]", "Home", "horizontal.theta_deg", 1.0, "θ_th 1°", marks=pytest.mark.slow),
         ("ε_z [mm]", "Home", "levels.eps_m", 0.001, "ε_z 1 mm"),
         pytest.param("m", "End", "levels.min_points", 5000, "m 5000", marks=pytest.mark.slow),
-        pytest.param("α_f [%]", "ArrowLeft", "edges.front_percentile", 94.5, "α 94.5/5 %", marks=pytest.mark.slow),
-        pytest.param("α_b [%]", "ArrowRight", "edges.back_percentile", 5.5, "α 95/5.5 %", marks=pytest.mark.slow),
         pytest.param(
-            "side edges [%]", "ArrowLeft", "edges.side_percentile", 98.5, "sides 98.5 %", marks=pytest.mark.slow
+            "paper's α_f [%]", "ArrowLeft", "edges.front_percentile", 94.5, "α 94.5/5 %", marks=pytest.mark.slow
+        ),
+        pytest.param(
+            "paper's α_b [%]", "ArrowRight", "edges.back_percentile", 5.5, "α 95/5.5 %", marks=pytest.mark.slow
+        ),
+        pytest.param(
+            "paper's side [%]",
+            "ArrowLeft",
+            "edges.side_percentile",
+            98.5,
+            "sides 98.5 %",
+            marks=pytest.mark.slow,
         ),
         pytest.param("k", "ArrowRight", "normals.k", 31, "k 31", marks=pytest.mark.slow),
     ],
@@ -100,13 +109,13 @@ def test_an_up_that_leaves_no_staircase_says_so(page):
 def test_a_number_out_of_range_is_a_sentence_and_the_good_table_stays_dimmed(page, measured):
     page.choose_columns("paper")
     good = page.table()
-    page.type_number("α_f [%]", 500)
+    page.type_number("paper's α_f [%]", 500)
     sentence = page.await_error()
-    assert sentence == "α_f [%]: got 500; give a value from 51 to 100"
+    assert sentence == "paper's α_f [%]: got 500; give a value from 51 to 100"
     assert page.table() == good
     assert page.opacity_of_results() < 0.6
     assert page.by_id("state").get_attribute("data-state") == "error"
-    page.type_number("α_f [%]", 90)
+    page.type_number("paper's α_f [%]", 90)
     page.await_result("α 90/5 %")
     assert page.by_id("error").count() == 0
     assert page.opacity_of_results() == 1.0
@@ -151,14 +160,14 @@ def test_a_hostile_step_and_view_are_sentences(page):
 def test_reset_brings_back_the_preset(page, measured):
     page.choose_columns("paper")
     good = page.table()
-    page.press("α_f [%]", "End")
+    page.press("paper's α_f [%]", "End")
     page.await_result("α 100/5 %")
     page.tab("Scan")
     page.choose("Method", "paper")
     page.await_result("used: paper", "α 100/5 %")
     page.hotkey("Shift+R")
     page.await_result("survey", "α 95/5 %")
-    assert page.slider_value("α_f [%]") == 95.0
+    assert page.slider_value("paper's α_f [%]") == 95.0
     page.tab("Scan")
     assert page.page.get_by_label("Method").first.input_value() == "survey"
     page.tab("Tune")

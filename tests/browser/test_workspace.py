@@ -84,7 +84,7 @@ def shift_click(page, x, y):
 
 
 def test_every_change_can_be_undone_and_redone(page):
-    page.press("α_f [%]", "ArrowLeft")
+    page.press("paper's α_f [%]", "ArrowLeft")
     page.await_result("α 94.5/5 %")
     # A drag is one change: it ends when nothing has moved for a while.
     page.page.wait_for_timeout(900)
@@ -95,7 +95,7 @@ def test_every_change_can_be_undone_and_redone(page):
     page.await_result("ε_z 20 mm", "α 94.5/5 %")
     page.hotkey("Control+z")
     page.await_result("ε_z 20 mm", "α 95/5 %")
-    assert page.slider_value("α_f [%]") == 95.0
+    assert page.slider_value("paper's α_f [%]") == 95.0
     page.hotkey("Control+Shift+Z")
     page.await_result("α 94.5/5 %")
     page.hotkey("Control+z")
@@ -107,7 +107,7 @@ def test_a_preset_changes_the_settings_and_says_when_they_are_no_longer_its_own(
     page.choose("Preset", "Terrestrial laser scanner")
     # The preset states what such a scanner leaves uncertain.
     page.page.wait_for_function("() => document.querySelector('[data-testid=used]')?.innerText.includes('stated')")
-    page.press("α_f [%]", "ArrowLeft")
+    page.press("paper's α_f [%]", "ArrowLeft")
     page.await_result("α 94.5/5 %")
     assert page.page.get_by_label("Preset", exact=True).first.input_value() == "(changed)"
 
@@ -510,7 +510,7 @@ def test_all_standard_views_are_one_zip(page):
 
 @pytest.mark.slow
 def test_the_project_reproduces_its_numbers_on_the_command_line(page, scans, tmp_path):
-    page.press("α_f [%]", "ArrowLeft")
+    page.press("paper's α_f [%]", "ArrowLeft")
     page.await_result("α 94.5/5 %")
     name, content = page.download("Project file")
     assert name == "stair.stair.json"
@@ -523,7 +523,7 @@ def test_the_project_reproduces_its_numbers_on_the_command_line(page, scans, tmp
     for key in ("settings", "steps", "flights", "up", "levels"):
         assert made[key] == wanted[key], key
     # Opened again, it brings its settings back; another scan's is refused.
-    page.press("α_f [%]", "ArrowLeft")
+    page.press("paper's α_f [%]", "ArrowLeft")
     page.await_result("α 94/5 %")
     page.tab("Export")
     upload(page, "Open project", name, content)

@@ -8,7 +8,7 @@ from stair_inspector.model import Measured, Note
 from stair_inspector.report.pictures.coloring import rejected_of
 from stair_inspector.report.pictures.display import REJECTED_COLOR
 from stair_inspector.report.pictures.segmentation import MOST_REJECTED
-from stair_inspector.viewer import histogram, html
+from stair_inspector.viewer import histogram, html, survey_html
 from stair_inspector.viewer.markup import pick_script
 from stair_inspector.viewer.survey_html import (
     LAST_OF_FLIGHT,
@@ -42,7 +42,7 @@ def titles_of(source, column):
     """The tooltips of a column of the steps' rows."""
     page = Page(source)
     cells = [cell for cell in page.of("td") if "colspan" not in cell]
-    return [cell.get("title") for cell in cells[column::7]]
+    return [cell.get("title") for cell in cells[column::8]]
 
 
 def tidy(cells):
@@ -55,6 +55,17 @@ def test_every_row_has_value_and_uncertainty_of_its_step(inspection):
     assert tidy(rows[0])[:6] == ["1", "170.1 ±0.4", "280.0 ±0.4", "300.0 ±12", "1000.0 ±0.04", "31.3 ±0.1"]
     for step, row in zip(inspection.steps, rows, strict=True):
         assert tidy(row)[1] == f"{step.rise_m.value * 1000.0:.1f} ±0.4"
+
+
+@pytest.mark.parametrize("unit", ["mm", "in"])
+def test_every_row_has_the_rms_residual_of_its_step_in_millimetres(inspection, unit):
+    source = html.table_html(inspection, PALETTE, None, None, "survey", unit)
+    column = [name for name, _, _ in survey_html.COLUMNS].index("RMS")
+    assert survey_html.columns_in(unit)[column][1] == "mm"
+    for step, row in zip(inspection.steps, rows_of(source), strict=True):
+        assert row[column] == f"{1000.0 * step.plane.rms_m:.2f}"
+    bare = dataclasses.replace(inspection.steps[0], plane=dataclasses.replace(inspection.steps[0].plane, rms_m=None))
+    assert rows_of(survey_table(dataclasses.replace(inspection, steps=(bare,), flights=())))[0][column] == "–"
 
 
 def test_what_is_missing_is_a_dash_with_the_reason(inspection):
@@ -116,7 +127,7 @@ def test_the_coverage_is_a_disc_filled_as_far_with_the_percentage_as_its_title(i
 def test_an_unknown_coverage_is_a_dash(inspection):
     step = dataclasses.replace(inspection.steps[0], coverage=None)
     source = survey_table(dataclasses.replace(inspection, steps=(step,), flights=()))
-    assert rows_of(source)[0][6] == "–"
+    assert rows_of(source)[0][7] == "–"
     assert Page(source).of("svg") == []
 
 
