@@ -1,5 +1,6 @@
 """The recipe: from a scan and settings to an inspection."""
 
+import dataclasses
 from typing import Any
 
 from stair_inspector.memo import Memo
@@ -15,6 +16,7 @@ from stair_inspector.stages.nosings import find_shapes
 from stair_inspector.stages.patches import split_levels
 from stair_inspector.stages.plumb import refine_up
 from stair_inspector.stages.rejects import apply_overrules
+from stair_inspector.stages.sparse import Fitted, find_sparse, follow_spacing
 from stair_inspector.stages.survey import measure_survey
 from stair_inspector.stages.verdict import conclude, conclude_survey
 from stair_inspector.stages.withhold import withhold
@@ -54,9 +56,16 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
         else up
     )
     heights = memo.run("heights", orient.order_by_height, scan, normals, up, params.overrules.region)
+    is_sparse = False
+    if params.method == "survey":
+        spaced = memo.run("sparse", find_sparse, heights)
+        heights, is_sparse = spaced.heights, spaced.is_sparse
     horizontal = memo.run("horizontal", find.select_horizontal, heights, params.horizontal)
+    fitted = Fitted(params.levels, params.patches)
+    if is_sparse:
+        fitted = memo.run("spacing", follow_spacing, horizontal, params.levels, params.patches)
     reach = memo.run("reach", find.find_height_reach, horizontal, params.levels.eps_m)
-    levels = memo.run("levels", find.find_levels, horizontal, reach, params.levels)
+    levels = memo.run("levels", find.find_levels, horizontal, reach, fitted.levels)
     surfaces = memo.run("surfaces", treads.fit_surfaces, horizontal, levels)
     axes = memo.run("axes", treads.find_axes, horizontal, surfaces, params.axes.rule, params.method)
     steps: tuple[Any, ...] = ()
@@ -71,13 +80,16 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     )
     if params.method == "paper":
         return found
+    if fitted.observations:
+        found = dataclasses.replace(found, examination=(*found.examination, *fitted.observations))
     spread = memo.run("dither", spread_steps, scan, examined, heights, horizontal, levels)
     heights, horizontal, levels = spread.heights, spread.horizontal, spread.levels
-    patches = memo.run("patches", split_levels, horizontal, levels, params.patches, params.levels)
+    patches = memo.run("patches", split_levels, horizontal, levels, fitted.patches, fitted.levels)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
     chains = memo.run("flights", find_chains, patches, params.flights, params.patches.min_area_m2, forced)
     of_points = (heights, horizontal, patches, chains, params.survey.of_edges, spread.is_stepped)
-    shapes = memo.run("nosings", find_shapes, *of_points)
+    sparse_step_m = float(examined.steps_m.max()) if is_sparse else None
+    shapes = memo.run("nosings", find_shapes, *of_points, sparse_step_m)
     how_sure = (params.survey, params.uncertainty, params.display)
     of_scan = (patches, chains, shapes, steps, up, forced, *how_sure, examined)
     survey = memo.run("survey", measure_survey, horizontal, *of_scan)

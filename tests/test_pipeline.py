@@ -32,8 +32,9 @@ FROM_HORIZONTAL = ["horizontal", "reach", "levels", "surfaces", "axes", "extents
 SURVEY = ["patches", "overrules", "flights", "nosings", "survey"]
 SPREAD = ["dither", *SURVEY]
 BY_PAPER = ["examination", "normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
-# The order by height comes after the comparison of floor and treads, which is made only where up is not given.
-ALL_STAGES = ["examination", "normals", "up", "plumb", *BY_PAPER[3:], *SPREAD]
+# The order by height comes after the comparison of floor and treads, which is made only where up is not given. Of a
+# dense scan nothing but its density is asked.
+ALL_STAGES = ["examination", "normals", "up", "plumb", "heights", "sparse", *BY_PAPER[4:], *SPREAD]
 
 
 def result_of(inspection):

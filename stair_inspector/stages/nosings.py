@@ -22,6 +22,8 @@ from stair_inspector.stages.hidden import (
 from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.patches import fit_trimmed
 from stair_inspector.stages.planes import FINE_M, STRIP_M, block_means, fit_local, plane_of
+from stair_inspector.stages.pooled import pool_steps
+from stair_inspector.stages.sparse import SPARSE_M
 
 _FACE_NEAR_SIGMA = 1.6
 _FACE_NEAR_M = 0.003
@@ -80,6 +82,7 @@ def find_shapes(
     chains: Chains,
     params: SurveyParams,
     is_stepped: bool = False,
+    sparse_step_m: float | None = None,
 ) -> tuple[tuple[StepShape, ...], ...]:
     """Find the plane and the edges of every step.
 
@@ -93,6 +96,9 @@ def find_shapes(
         Evidence and tolerance.
     is_stepped : bool
         Whether the coordinates were rounded to steps, over which they have been spread.
+    sparse_step_m : float, optional
+        In a sparse scan, where the treads of a flight must help each other: the step on which its coordinates lie, 0
+        for none. None where the scan is dense.
 
     Returns
     -------
@@ -105,7 +111,7 @@ def find_shapes(
         chain = chains.chains[number]
         after = flight_after(chains, number)
         above = None if after is None else shapes[after][0]
-        shapes[number] = _shapes_of(heights, horizontal, patches, chain, above, params, is_stepped)
+        shapes[number] = _shapes_of(heights, horizontal, patches, chain, above, params, is_stepped, sparse_step_m)
     return tuple(shapes[number] for number in range(len(chains.chains)))
 
 
@@ -141,19 +147,36 @@ def _shapes_of(
     above: StepShape | None,
     params: SurveyParams,
     is_stepped: bool,
+    sparse_step_m: float | None,
 ) -> tuple[StepShape, ...]:
     common = straight_climb(chain)
+    span = _common_span(patches, chain, common) if sparse_step_m is not None and common is not None else None
     shapes: list[StepShape] = []
     # From the top, because the back of a step is looked for near the nosing above it.
     for k in range(len(chain.steps) - 1, -1, -1):
         climb = chain.climbs[k] if common is None else common
         is_last_below_gap = k + 1 < len(chain.steps) and chain.n_missing[k + 1] > 0
         above = None if is_last_below_gap else above
-        shape = _shape(heights, horizontal, patches, chain, k, climb, above, common is not None, params, is_stepped)
+        shape = _shape(
+            heights, horizontal, patches, chain, k, climb, above, common is not None, params, is_stepped, span
+        )
         shapes.append(shape)
         above = shape
     shapes = with_doubtful_fronts(shapes[::-1])
+    if span is not None and sparse_step_m is not None:
+        shapes = pool_steps(heights, shapes, sparse_step_m)
     return tuple(with_wedge_sides(shapes, chain) if common is None else with_common_sides(shapes, common))
+
+
+def _common_span(patches: Patches, chain: Chain, climb: Floats) -> tuple[float, float] | None:
+    """Return between which sides most treads of a straight flight lie across its climb; None if they are not sparse."""
+    surfaces = [patches.surfaces[number] for number in chain.steps]
+    spacings = [math.sqrt(surface.area_m2 / len(surface.rows)) for surface in surfaces]
+    if float(np.median(spacings)) <= SPARSE_M:
+        return None
+    across = np.array([-climb[1], climb[0]])
+    ends = np.array([np.percentile(across @ surface.cells_m, [1.0, 99.0]) for surface in surfaces])
+    return float(np.percentile(ends[:, 0], 25.0)), float(np.percentile(ends[:, 1], 75.0))
 
 
 def _shape(
@@ -167,6 +190,7 @@ def _shape(
     is_straight: bool,
     params: SurveyParams,
     is_stepped: bool,
+    span: tuple[float, float] | None = None,
 ) -> StepShape:
     number = chain.steps[k]
     surface = patches.surfaces[number]
@@ -179,6 +203,10 @@ def _shape(
     front = _front_of(s, w, chain.lengths_m[k])
     is_strip = s <= front + STRIP_M
     w_low, w_high = (float(value) for value in np.percentile(w[is_strip], [1.0, 99.0]))
+    if span is not None:
+        # Of a few cells in a row some may be missing at either end.
+        aside = float(left @ origin)
+        w_low, w_high = min(w_low, span[0] - aside), max(w_high, span[1] - aside)
     # Between the quarters of the width: a floor next door at the same height must not make a tread deeper.
     inner = (w >= w_low + 0.25 * (w_high - w_low)) & (w <= w_high - 0.25 * (w_high - w_low))
     s_high = float(np.percentile(s[inner] if inner.any() else s, 98.0))
@@ -196,7 +224,7 @@ def _shape(
         reach = (front, max(s_high, s_above), w_low, w_high)
     near, stride = _gather(heights, origin, climb, reach, plane, max(rise_above_m, 0.1))
     plane = replace(plane, spacing_m=plane.spacing_m * math.sqrt(stride))
-    if plane.sigma_m > _NOISY_M:
+    if plane.sigma_m > _NOISY_M or span is not None:
         plane, near = _refit(near, plane, extent)
     sampling = Sampling(plane.sigma_m, plane.spacing_m)
     finder = _Finder(near, sampling, band_m, params)
@@ -419,6 +447,9 @@ class _Finder:
         middle = (span[0] + span[1]) / 2.0
         guess = (guess_m, 0.0) if whole is None else (whole.at(middle), whole.slope)
         reach = max(_FACE_REACH_M, _BAND_SIGMA * self.sampling.sigma_m)
+        if self.sampling.spacing_m > SPARSE_M:
+            # The surface's last row of points may lie so far from its edge.
+            reach = max(reach, self.sampling.spacing_m)
         near_m = max(_FACE_NEAR_M, _FACE_NEAR_SIGMA * self.sampling.sigma_m)
         far_m = max(_FACE_FAR_M, near_m + _FACE_BAND_M)
         guesses: tuple[tuple[tuple[float, float], float], ...] = ((guess, reach),)

@@ -70,6 +70,11 @@ def plane_of(s: Floats, w: Floats, z: Floats, numbers: tuple[float, float, float
     # Cells on the rim are only partly on the surface: the usual cell tells the spacing.
     per_cell = stride * float(np.median(fine_counts[fine_counts > 0])) if fine_counts.size else 1.0
     spacing_m = FINE_M / math.sqrt(per_cell)
+    if per_cell <= stride and kept.any():
+        # Of a sparse scan each small block that is occupied holds one point, however far apart they lie.
+        coarse_counts = np.bincount(_block_keys(s[kept], w[kept], _BLOCK_M))
+        per_block = stride * float(np.percentile(coarse_counts[coarse_counts > 0], 75.0))
+        spacing_m = max(spacing_m, _BLOCK_M / math.sqrt(per_block))
     n_kept = int(np.count_nonzero(kept))
     covariance = _covariance(large, sigma_m, n_kept, s, w)
     scatter = float(np.var(large[2])) if large.shape[1] else 0.0
