@@ -720,7 +720,9 @@ def _survey_rows(inspection: "Inspection") -> list[str]:
     lines = ["  " + f"{'step':>13}" + "".join(f"{name:>18}" for name in names) + f"{'coverage':>10}"]
     for flight in inspection.flights:
         risers = f"{flight.n_risers} riser{'' if flight.n_risers == 1 else 's'}"
-        lines.append(f"  flight {flight.flight_id}: {flight.shape}, {risers}")
+        radius = flight.radius_m
+        shape = flight.shape if radius is None else f"{flight.shape}, radius {radius.value:.2f} ± {radius.u:.2f} m"
+        lines.append(f"  flight {flight.flight_id}: {shape}, {risers}")
         for step in inspection.steps:
             if step.flight != flight.flight_id:
                 continue

@@ -251,6 +251,21 @@ class LocalPlane:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Arc:
+    """The middle line of a flight that curves: an arc about ``centre_m`` (2,), plan of the level frame, metres.
+
+    ``sense`` is 1 where the flight turns to the left, -1 to the right. ``radius_noise_m`` is the standard uncertainty
+    of the radius, ``middle_noise_m`` that of the place of the middle line between the sides.
+    """
+
+    centre_m: Floats
+    radius_m: float
+    sense: float
+    radius_noise_m: float
+    middle_noise_m: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StepShape:
     """The plane and the edges of one step in its own frame, metres.
 
@@ -261,7 +276,8 @@ class StepShape:
     nosing over which the measuring lines are laid: the step's own sides, or those of its flight where the step is a
     wide landing or a side of it is hidden. ``nosing_offsets`` and ``nosing_noise`` are the height of the surface at the
     nosing above its plane, and its standard uncertainty, on the left, centre and right line: a nosing strip stands
-    proud, a worn tread is deepest in its middle.
+    proud, a worn tread is deepest in its middle. ``arc`` is
+    that of the whole flight where it curves: then ``climb`` runs along it.
     """
 
     surface: int
@@ -279,6 +295,7 @@ class StepShape:
     line_range: tuple[float, float]
     nosing_offsets: tuple[float, float, float]
     nosing_noise: tuple[float, float, float]
+    arc: Arc | None = None
 
     def to_plan(self, s_m: float, w_m: float) -> Floats:
         """Return a place of this frame in plan coordinates of the level frame, (2,)."""

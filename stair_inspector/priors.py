@@ -52,6 +52,8 @@ NARROWEST_OF_TWO_M, SHALLOWEST_OF_TWO_M = 0.45, 0.15
 """Width and depth of two risers that are a flight by themselves: boxes are smaller."""
 FLOOR_RATIO = 2.2
 """A surface this much larger than the one above it is a floor or landing, from which a flight may begin anywhere."""
+TIGHTEST_CURVE_M = 1.5
+"""Radius of the middle line of a curved flight; a flight that turns about a nearer centre is a spiral or winds."""
 SURE_RISERS = 3
 """So many even risers in a row are a flight by themselves."""
 

@@ -29,6 +29,13 @@ less. A convention of this program: the room alone, 3 in for a riser of 4 to 7 i
 _SIZES = ("rise", "going", "tread_depth", "width", "pitch", "two_r_plus_g", "flight_rise")
 """Quantities that are intended to be far from zero; of the others, as of every spread, the intended value is zero."""
 _WINDING = "winders and spirals are not judged: codes measure them on a walking line of their own"
+_BY_WALKING_LINE = ("going", "two_r_plus_g", "tread_depth", "pitch")
+"""Quantities whose size, where a flight curves, depends on the line on which they are taken."""
+_CURVED = (
+    "of a flight that curves this is known on its middle line, and codes limit it on a walking line of their own: not "
+    "judged"
+)
+_ON_MIDDLE_LINE = "measured on the middle line of a flight that curves"
 _ASKED = "a question about the scan has to be answered first"
 _TELLING_NOTES = (
     "uncertainty_unstated",
@@ -138,8 +145,9 @@ class _Judge:
             return [Finding(rule, None, (), Verdict.NOT_MEASURED, reason=self._why_nothing())]
         findings = []
         for flight in self._inspection.flights:
-            if flight.shape != "straight":
-                findings.append(Finding(rule, flight.flight_id, (), Verdict.NOT_JUDGED, reason=_WINDING))
+            reason = _why_not_by_shape(rule, flight)
+            if reason:
+                findings.append(Finding(rule, flight.flight_id, (), Verdict.NOT_JUDGED, reason=reason))
                 continue
             findings += [self._judged(rule, place) for place in self._places(rule, flight)]
         return findings
@@ -351,6 +359,8 @@ class _Judge:
         u = place.u_down if is_too_large and place.u_down is not None else measured.u
         verdict = self._verdict(margin, u)
         reason = place.reason
+        if rule.quantity in _BY_WALKING_LINE and self._is_curved(place.flight):
+            reason = _joined(_ON_MIDDLE_LINE, reason)
         is_certain = limit is rule.maximum if verdict.is_outside else rule.maximum is None
         if place.is_partial and not is_certain:
             # More of the flight can only make a spread, a count or a sum larger.
@@ -367,12 +377,26 @@ class _Judge:
         u_fit = max(measured.u, place.u_down or 0.0) if is_too_large else measured.u
         return Finding(rule, place.flight, place.steps, verdict, measured.value, u, margin, limit, reason, u_fit)
 
+    def _is_curved(self, flight_id: int | None) -> bool:
+        return any(flight.flight_id == flight_id and flight.shape == "curved" for flight in self._inspection.flights)
+
     def _verdict(self, margin: float, u: float) -> Verdict:
         if self._decision == "simple":
             return Verdict.WITHIN if margin >= 0.0 else Verdict.OUTSIDE
         if margin >= 0.0:
             return Verdict.WITHIN if margin >= u - _ROUNDING else Verdict.WITHIN_CLOSE
         return Verdict.OUTSIDE if -margin >= u - _ROUNDING else Verdict.OUTSIDE_CLOSE
+
+
+def _why_not_by_shape(rule: Rule, flight: Flight) -> str:
+    """Say why a rule cannot be held against a flight of this shape; empty where it can.
+
+    How even a curved flight's goings are shows on any line along it: all grow alike from its inner side outwards.
+    """
+    if flight.shape in ("winder", "spiral"):
+        return _WINDING
+    is_size = rule.statistic in ("each", "flight")
+    return _CURVED if flight.shape == "curved" and is_size and rule.quantity in _BY_WALKING_LINE else ""
 
 
 def _nearest(rule: Rule, value: float) -> tuple[float | None, Limit | None]:

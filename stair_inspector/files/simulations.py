@@ -112,6 +112,14 @@ def write_samples(folder: Path) -> list[Path]:
     return written
 
 
+_CURVED_CONVENTIONS = {
+    "going_m": "Horizontal, from the middle of the nosing of this step to that of the next, along the arc through them "
+    "about the centre of the curve; null for the upper landing.",
+    "going_lcr_m": "The same through 15, 50 and 85 % of the nosing's length from the left.",
+    "rise_lcr_m": "At 15, 50 and 85 % of the nosing's length from the left, along those arcs.",
+}
+
+
 def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
     """Return the truth of a simulated scan as plain values for JSON, positions in the output frame.
 
@@ -173,6 +181,7 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
             "height_m": "Height of the nosing at mid-width above the floor: of the strip where it stands proud; where "
             "the edge is rounded, of the line where the plane of the tread meets the upright in front.",
             "nosing_m": "Left and right end, as seen when climbing.",
+            **(_CURVED_CONVENTIONS if stair is not None and stair.shape == "curved" else {}),
         },
         "frame": {
             "up": [0.0, 0.0, 1.0],
@@ -185,7 +194,7 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
             "n_mixed": int(simulated.is_mixed.sum()),
         },
         "scene": building.scene or None,
-        "stair": None if stair is None else dataclasses.asdict(stair),
+        "stair": None if stair is None else _stair_to_dict(stair),
         "scanner": dataclasses.asdict(simulated.scanner),
         "stations": stations,
         "flights": [
@@ -201,6 +210,12 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
         ],
         "steps": steps,
     }
+
+
+def _stair_to_dict(stair: Stair) -> dict[str, Any]:
+    """Return a staircase's settings; what only a curved one has is left out of all others."""
+    values = dataclasses.asdict(stair)
+    return values if stair.shape == "curved" else {name: values[name] for name in values if name != "curve_radius_m"}
 
 
 def _check_name(path: Path) -> None:

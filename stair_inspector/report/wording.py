@@ -298,7 +298,14 @@ def limitation_sentences(inspection: Inspection, check: Check | None) -> tuple[s
             "measured, and no limit of a code applies to its values."
         )
     sentences += _doubtful_sentences(inspection)
-    winding = [flight for flight in inspection.flights if flight.shape != "straight"]
+    curved = [flight for flight in inspection.flights if flight.shape == "curved"]
+    if curved:
+        sentences.append(
+            f"Flight {numbers_of(flight.flight_id for flight in curved)} curves. Its goings are those along the arc "
+            "through the middles of its nosings, and on the left and right along arcs about the same centre. Codes "
+            "limit the size of a going on a walking line of their own, and no such limit was judged there."
+        )
+    winding = [flight for flight in inspection.flights if flight.shape in ("winder", "spiral")]
     if winding and not inspection.is_withheld:
         numbers = numbers_of(flight.flight_id for flight in winding)
         sentences.append(

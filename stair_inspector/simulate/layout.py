@@ -25,6 +25,7 @@ POST_RADIUS_M = 0.05
 """Radius of the post about which winder treads turn."""
 
 _ARC_DEG = 6.0  # Longest facet of a spiral's outer edge.
+_CURVE_DEG = 0.75  # The same of a curved stair's sides: 0.1 mm from the arc at a radius of 5 m.
 _SAME_M = 1e-9  # Corners this near to each other are one.
 _PARALLEL = 0.05  # Sine of the angle below which a line is not followed to the next edge: it would meet it far away.
 
@@ -90,8 +91,10 @@ class StepTruth:
     measures it would have, and its neighbours' are measured to it.
 
     ``rise_lcr_m`` and ``going_lcr_m`` are the same on three lines, at 15, 50 and 85 % of the nosing's length from the
-    left: the rise along the line of climb, the going square to the edge of this step. ``pitch_deg`` is that of the line
-    to the next nosing, None where there is no going. ``climb`` is the unit vector up the stair, seen from above.
+    left: the rise along the line of climb, the going square to the edge of this step. On a curved stair both follow the
+    arcs through those points, about the stair's centre, and the going is the length of the arc. ``pitch_deg`` is that
+    of the line to the next nosing, None where there is no going. ``climb`` is the unit vector up the stair, seen from
+    above.
     """
 
     step_id: int
@@ -161,7 +164,7 @@ def lay_out(stair: Stair) -> tuple[StepTruth, ...]:
             rise_m=rise,
             going_m=going,
             tread_depth_m=_tread_depth(stair, k, plan, going),
-            width_m=stair.width_m if shape == "straight" else math.dist(*plan.front),
+            width_m=stair.width_m if shape in ("straight", "curved") else math.dist(*plan.front),
             nosing_overhang_m=stair.overhang_m,
             height_m=height,
             fall_deg=falls.get(k, 0.0),
@@ -239,6 +242,8 @@ def _plans(stair: Stair) -> tuple[Footprint, ...]:
     n = stair.n_risers
     if stair.shape == "spiral":
         plans = _spiral(stair)
+    elif stair.shape == "curved":
+        plans = _curved(stair)
     elif stair.shape == "winder":
         below = _run(stair, 1, stair.winder_after)
         corner_x = sum(_goings(stair, 1, stair.winder_after))
@@ -360,6 +365,38 @@ def _spiral(stair: Stair) -> list[Footprint]:
     return plans
 
 
+def _curved(stair: Stair) -> list[Footprint]:
+    """Return treads that turn left about a far centre; the upper landing leaves straight ahead."""
+    inner, outer = stair.curve_radius_m - stair.width_m / 2.0, stair.curve_radius_m + stair.width_m / 2.0
+    centre = (0.0, stair.curve_radius_m)
+    step_rad = _curve_rad(stair)
+
+    def at(radius: float, angle: float) -> Flat:
+        return centre[0] + radius * math.sin(angle), centre[1] - radius * math.cos(angle)
+
+    n_facets = max(1, math.ceil(math.degrees(step_rad) / _CURVE_DEG))
+    plans: list[Footprint] = []
+    for index in range(stair.n_risers):
+        start = index * step_rad
+        climb = (math.cos(start), math.sin(start))
+        riser = (at(inner, start), at(outer, start))
+        front = (shifted(riser[0], climb, -stair.overhang_m), shifted(riser[1], climb, -stair.overhang_m))
+        left, right = (
+            tuple(at(radius, start + step_rad * (facet + 1) / n_facets) for facet in range(n_facets))
+            for radius in (inner, outer)
+        )
+        if index + 1 == stair.n_risers:
+            far = stair.upper_landing_m
+            left, right = (shifted(front[0], climb, far),), (shifted(front[1], climb, far),)
+        plans.append(Footprint(climb, front, riser, left, right))
+    return plans
+
+
+def _curve_rad(stair: Stair) -> float:
+    """Return the turn from step to step for which the arc through the middles of the nosings is a going long."""
+    return stair.going_m / math.hypot(stair.curve_radius_m, stair.overhang_m)
+
+
 def _measured(stair: Stair, steps: list[StepTruth]) -> tuple[StepTruth, ...]:
     """Return the steps with what is measured between them."""
     measured: list[StepTruth] = []
@@ -371,7 +408,7 @@ def _measured(stair: Stair, steps: list[StepTruth]) -> tuple[StepTruth, ...]:
         goings: Three | None = None
         going = step.going_m
         if after is not None and going is not None:
-            a, b, c = (_going_on(step.plan, after.plan, share) for share in SHARES_FROM_LEFT)
+            a, b, c = (_going_on(stair, step.plan, after.plan, share) for share in SHARES_FROM_LEFT)
             goings = (a, b, c)
             going = going if step.shape == "straight" else b
         measured.append(
@@ -398,13 +435,19 @@ def _rise_on(stair: Stair, before: StepTruth | None, step: StepTruth, share: flo
         return height
     if _is_turning_landing(stair, before.step_id):
         return height - before.top(*along(step.plan.riser, share))
+    if stair.shape == "curved":
+        return height - before.top(*along(before.plan.front, share))
     back_x, back_y = step.climb
     below = _meeting((x, y), (-back_x, -back_y), before.plan.front)
     return height - before.top(*shifted((x, y), (-back_x, -back_y), below))
 
 
-def _going_on(plan: Footprint, after: Footprint, share: float) -> float:
-    """Return the distance to the next nosing, square to this one, from a share of its length."""
+def _going_on(stair: Stair, plan: Footprint, after: Footprint, share: float) -> float:
+    """Return the distance to the next nosing from a share of this one's length: square to it, or along the arc."""
+    if stair.shape == "curved":
+        x, y = along(plan.front, share)
+        side = -1.0 if stair.turn == "right" else 1.0
+        return math.hypot(x, y - side * stair.curve_radius_m) * _curve_rad(stair)
     return _meeting(along(plan.front, share), square_to(plan.front), after.front)
 
 
@@ -451,8 +494,8 @@ def _twins(stair: Stair, steps: tuple[StepTruth, ...]) -> tuple[StepTruth, ...]:
 
 
 def _shape_of(stair: Stair, k: int) -> Shape:
-    if stair.shape == "spiral":
-        return "spiral"
+    if stair.shape in ("curved", "spiral"):
+        return stair.shape
     is_winder = stair.shape == "winder" and 0 < k - stair.winder_after <= N_WINDERS
     return "winder" if is_winder else "straight"
 

@@ -14,7 +14,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.params import Group, Knob
 
 Sides = Literal["none", "left", "right", "both"]
-Shape = Literal["straight", "winder", "spiral"]
+Shape = Literal["straight", "curved", "winder", "spiral"]
 Turn = Literal["none", "left", "right", "u_left", "u_right"]
 
 SLAB_M = 0.04
@@ -70,8 +70,8 @@ class Stair(Group):
         Turn,
         Doc(
             "Turn at the intermediate landing, as seen when climbing: none, left, right (by 90 degrees; the landing is "
-            "a square), u_left, u_right (back beside the first flight). A winder or spiral turns left, unless "
-            "'right' is given."
+            "a square), u_left, u_right (back beside the first flight). A curved stair, winder or spiral turns "
+            "left, unless 'right' is given."
         ),
     ] = "none"
     well_m: Annotated[
@@ -82,8 +82,9 @@ class Stair(Group):
     shape: Annotated[
         Shape,
         Doc(
-            "straight; winder: three wedge treads turn the stair by 90 degrees about a post; spiral: wedge treads "
-            "about a column, their going measured at the middle of the width."
+            "straight; curved: all treads turn about a far centre, their going measured along the arc through the "
+            "middles of the nosings; winder: three wedge treads turn the stair by 90 degrees about a post; spiral: "
+            "wedge treads about a column, their going measured at the middle of the width."
         ),
     ] = "straight"
     winder_after: Annotated[
@@ -96,6 +97,11 @@ class Stair(Group):
         Knob(0.03, 1.0, 0.01, "column radius", display_unit="mm", per_display=1000.0),
         Doc("Radius of a spiral's column, where its treads begin, metres (0.03 to 1)."),
     ] = 0.1
+    curve_radius_m: Annotated[
+        float,
+        Knob(1.0, 100.0, 0.1, "radius of a curve", display_unit="m"),
+        Doc("Radius of a curved stair, of the arc through the middles of its risers, metres (1 to 100)."),
+    ] = 4.0
     twin_gap_m: Annotated[
         float,
         Knob(0.0, 3.0, 0.01, "gap to a twin", display_unit="mm", per_display=1000.0),
@@ -243,6 +249,12 @@ class Stair(Group):
             raise ConfigError(
                 f"stair.going_m: got {self.going_m:g}; a spiral of this width has room for "
                 f"{self.spiral_radius_m + self.width_m / 2.0:g} m at most"
+            )
+
+        if self.shape == "curved" and self.curve_radius_m <= self.width_m:
+            raise ConfigError(
+                f"stair.curve_radius_m: got {self.curve_radius_m:g} with a width of {self.width_m:g} m; give more than "
+                "the width, or shape spiral"
             )
 
     def _check_straight_only(self) -> None:

@@ -326,7 +326,7 @@ def _add_beam_pair(shapes: Shapes, stair: Stair, start: Point, stop: Point, surf
 
 def _add_post(shapes: Shapes, stair: Stair, steps: tuple[StepTruth, ...]) -> None:
     """Add what wedge treads turn about: the column of a spiral, or the post of a winder."""
-    wedges = [step for step in steps if step.shape != "straight"]
+    wedges = [step for step in steps if step.shape in ("winder", "spiral")]
     if not wedges:
         return
     radius = stair.spiral_radius_m if stair.shape == "spiral" else POST_RADIUS_M

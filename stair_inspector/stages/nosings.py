@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,8 +11,17 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_extent_edge, find_face_edge
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
-from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
+from stair_inspector.model import Arc, Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
+from stair_inspector.stages.arcs import (
+    across_arc,
+    climb_on_arc,
+    find_arc,
+    side_of,
+    span_beside,
+    turning_climbs,
+    with_arc_sides,
+)
 from stair_inspector.stages.hidden import (
     UNSEEN_M,
     WINDING_DEG,
@@ -151,21 +161,62 @@ def _shapes_of(
 ) -> tuple[StepShape, ...]:
     common = straight_climb(chain)
     span = _common_span(patches, chain, common) if sparse_step_m is not None and common is not None else None
+    usual = [climb if common is None else common for climb in chain.climbs]
+    turning = turning_climbs(chain)
+    found: list[StepShape] = []
+    for climbs in (usual,) if turning is None else (turning, usual):
+        is_square = common is not None and climbs is usual
+        found = _shapes_along(
+            heights,
+            horizontal,
+            patches,
+            chain,
+            above,
+            climbs,
+            is_square,
+            params,
+            is_stepped,
+            span if is_square else None,
+        )
+        arc = find_arc(found)
+        if arc is None:
+            continue
+        # Once more along the arc: the sides of a tread are looked for beside its own direction of climb.
+        climbs = [climb_on_arc(arc, shape) for shape in found]
+        curved = _shapes_along(heights, horizontal, patches, chain, above, climbs, True, params, is_stepped, None, arc)
+        arc = find_arc(curved)
+        if arc is not None:
+            return tuple(with_arc_sides(curved, arc))
+    if span is not None and sparse_step_m is not None:
+        found = pool_steps(heights, found, sparse_step_m)
+    return tuple(with_wedge_sides(found, chain) if common is None else with_common_sides(found, common))
+
+
+def _shapes_along(
+    heights: HeightOrder,
+    horizontal: Horizontal,
+    patches: Patches,
+    chain: Chain,
+    above: StepShape | None,
+    climbs: Sequence[Floats],
+    is_straight: bool,
+    params: SurveyParams,
+    is_stepped: bool,
+    span: tuple[float, float] | None,
+    arc: Arc | None = None,
+) -> list[StepShape]:
+    """Find plane and edges of all steps, each along its direction of climb."""
     shapes: list[StepShape] = []
     # From the top, because the back of a step is looked for near the nosing above it.
     for k in range(len(chain.steps) - 1, -1, -1):
-        climb = chain.climbs[k] if common is None else common
         is_last_below_gap = k + 1 < len(chain.steps) and chain.n_missing[k + 1] > 0
         above = None if is_last_below_gap else above
         shape = _shape(
-            heights, horizontal, patches, chain, k, climb, above, common is not None, params, is_stepped, span
+            heights, horizontal, patches, chain, k, climbs[k], above, is_straight, params, is_stepped, span, arc
         )
         shapes.append(shape)
         above = shape
-    shapes = with_doubtful_fronts(shapes[::-1])
-    if span is not None and sparse_step_m is not None:
-        shapes = pool_steps(heights, shapes, sparse_step_m)
-    return tuple(with_wedge_sides(shapes, chain) if common is None else with_common_sides(shapes, common))
+    return with_doubtful_fronts(shapes[::-1])
 
 
 def _common_span(patches: Patches, chain: Chain, climb: Floats) -> tuple[float, float] | None:
@@ -191,6 +242,7 @@ def _shape(
     params: SurveyParams,
     is_stepped: bool,
     span: tuple[float, float] | None = None,
+    arc: Arc | None = None,
 ) -> StepShape:
     number = chain.steps[k]
     surface = patches.surfaces[number]
@@ -235,8 +287,17 @@ def _shape(
     nosing = _guessed(front, front_span) if found is None else found.flipped()
     start = nosing.middle_m
     side_span = _inset((start, min(s_high, start + STRIP_M)))
-    to_left = finder.edge(near.w, near.s, side_span, w_high, is_square=is_straight)
-    to_right = finder.edge(-near.w, near.s, side_span, -w_low, is_square=is_straight)
+    across, left_span, right_span = near.w, side_span, side_span
+    if arc is not None:
+        across = across_arc(arc, origin, climb, near.s, near.w)
+        # The riser above turns against this nosing: on the inner side of the curve it stands nearer.
+        left_span, right_span = (_inset(span_beside(arc, origin, climb, (start, s_high), w)) for w in (w_high, w_low))
+    to_left = finder.edge(across, near.s, left_span, w_high, is_square=is_straight)
+    to_right = finder.edge(-across, near.s, right_span, -w_low, is_square=is_straight)
+    left_side = to_left or _guessed(w_high, left_span)
+    right_side = _guessed(w_low, right_span) if to_right is None else to_right.flipped()
+    if arc is not None:
+        left_side, right_side = (side_of(arc, origin, climb, side) for side in (left_side, right_side))
     shape = StepShape(
         surface=number,
         origin_m=origin,
@@ -245,8 +306,8 @@ def _shape(
         extent=extent,
         front=nosing,
         back=None,
-        left=to_left or _guessed(w_high, side_span),
-        right=_guessed(w_low, side_span) if to_right is None else to_right.flipped(),
+        left=left_side,
+        right=right_side,
         foot=None
         if k or chain.base is None
         else _find_foot(horizontal, patches.surfaces[chain.base], origin, climb, extent),

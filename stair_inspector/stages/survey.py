@@ -12,6 +12,7 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, own
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import (
+    Arc,
     Chain,
     Chains,
     Examination,
@@ -27,6 +28,7 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
+from stair_inspector.stages.arcs import arc_length, climb_at_nosing, climb_on_arc
 from stair_inspector.stages.doubt import NEAR_REGISTRATION, expanded, slope_doubt, surface_doubt
 from stair_inspector.stages.links import angle_deg, turn_deg
 from stair_inspector.stages.nosings import flight_after, straight_climb
@@ -129,7 +131,14 @@ def measure_survey(
             )
         own_steps = steps[first_id - 1 :]
         flights.append(_flight_of(flight_id, chain, own_shapes, own_steps, context))
-        if flights[-1].shape != "straight":
+        if flights[-1].radius_m is not None:
+            message = (
+                f"flight {flight_id} curves: its goings are measured along the arc through the middles of its nosings, "
+                "and on the left and right along arcs about the same centre; a limit that a code puts on a walking "
+                "line elsewhere cannot be judged on them"
+            )
+            notes.append(Note("curved", "survey", message))
+        elif flights[-1].shape != "straight":
             message = (
                 f"flight {flight_id} winds ({flights[-1].shape}): its steps are measured about their own nosings, in "
                 "the middle of what was seen of them; codes measure on a walking line and cannot be judged on it"
@@ -157,7 +166,8 @@ class _Measurer:
         self._context = context
         self._doubts = Doubts(context, self._shapes)
         self._climbs = find_climbs(chain, shapes)
-        self._is_straight = straight_climb(chain) is not None
+        self._arc = shapes[0].arc
+        self._is_straight = self._arc is None and straight_climb(chain) is not None
         share = params.line_percent / 100.0
         self._lines = [self._lines_of(shape, (1.0 - share, 0.5, share)) for shape in self._shapes]
 
@@ -222,6 +232,10 @@ class _Measurer:
         return s + t * ds, w + t * dw
 
     def _goings(self, k: int) -> tuple[float | None, ...]:
+        # The flight that goes on behind a landing has an arc of its own, or none.
+        if self._arc is not None and k + 1 < self._n_steps:
+            pairs = zip(self._lines[k], self._lines[k + 1], strict=True)
+            return tuple(arc_length(self._arc, line.plan, after.plan) for line, after in pairs)
         climb = self._climbs[k]
         result = []
         for line in self._lines[k]:
@@ -236,6 +250,9 @@ class _Measurer:
             if foot is None:
                 return None
             return tuple(line.height_m - foot.at(line.s_m, line.w_m) for line in self._lines[0])
+        if self._arc is not None:
+            pairs = zip(self._lines[k - 1], self._lines[k], strict=True)
+            return tuple(line.height_m - below.height_m for below, line in pairs)
         result = []
         lower = self._shapes[k - 1]
         for line, offset in zip(self._lines[k], lower.nosing_offsets, strict=True):
@@ -301,6 +318,9 @@ class _Measurer:
         shape = self._shapes[k]
         if goings is None or goings[0] is None or goings[2] is None or self._is_straight:
             return 0.0
+        if self._arc is not None:
+            # The middle line is the same for all steps.
+            return abs(goings[1] or 0.0) / self._arc.radius_m * self._arc.middle_noise_m
         left, _, right = self._lines[k]
         growth = (goings[0] - goings[2]) / (left.w_m - right.w_m)
         return abs(growth) * math.hypot(shape.left.noise_m, shape.right.noise_m) / 2.0
@@ -366,6 +386,9 @@ class _Measurer:
         s = self._mid_depth(k)
         doubt = math.hypot(self._doubts.side(shape.left, shape), self._doubts.side(shape.right, shape))
         width_m = shape.left.at(s) - shape.right.at(s)
+        if shape.arc is not None:
+            # Square to the sides, which slant against the nosing in the middle of the tread.
+            width_m *= math.cos(math.atan((shape.left.slope + shape.right.slope) / 2.0))
         return expanded(
             width_m,
             noise=math.hypot(shape.left.noise_at(s), shape.right.noise_at(s)),
@@ -438,11 +461,13 @@ class _Measurer:
 
 
 def find_climbs(chain: Chain, shapes: tuple[StepShape, ...]) -> list[Floats]:
-    """Return the direction of climb at every step: one for a straight flight, each nosing's own where it winds."""
-    normals = []
-    for shape in shapes:
-        across = shape.climb - shape.front.slope * _left_of(shape.climb)
-        normals.append(across / np.hypot(*across))
+    """Return the direction of climb at every step.
+
+    One for a straight flight, that of the arc where it curves, each nosing's own where it winds.
+    """
+    if shapes[0].arc is not None:
+        return [climb_on_arc(shapes[0].arc, shape) for shape in shapes]
+    normals = [climb_at_nosing(shape) for shape in shapes]
     if straight_climb(chain) is None:
         return normals
     weights = np.array([1.0 / max(shape.front.slope_noise, 1e-4) ** 2 for shape in shapes])
@@ -493,10 +518,19 @@ def _flight_of(
         width_m=_mean_of(widths),
         rise=statistics_of([(step.step_id, step.rise_m) for step in steps]),
         going=statistics_of([(step.step_id, step.going_m) for step in steps if step.kind == "tread"]),
+        radius_m=_radius_of(shapes[0].arc, context),
     )
 
 
-def _shape_name(chain: Chain, shapes: tuple[StepShape, ...]) -> Literal["straight", "winder", "spiral"]:
+def _radius_of(arc: Arc | None, context: Common) -> Measured | None:
+    if arc is None:
+        return None
+    return expanded(arc.radius_m, noise=arc.radius_noise_m, edge=arc.middle_noise_m, scale=context.scale * arc.radius_m)
+
+
+def _shape_name(chain: Chain, shapes: tuple[StepShape, ...]) -> Literal["straight", "curved", "winder", "spiral"]:
+    if shapes[0].arc is not None:
+        return "curved"
     if straight_climb(chain) is not None:
         return "straight"
     climbs = find_climbs(chain, shapes)

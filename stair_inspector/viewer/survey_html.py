@@ -159,6 +159,8 @@ def flight_text(flight: Flight) -> str:
     parts = [f"Flight {flight.flight_id}"]
     if flight.shape != "straight":
         parts.append(flight.shape)
+    if flight.radius_m is not None:
+        parts.append(f"radius {flight.radius_m.value:.2f} m ± {u_text(flight.radius_m.u)}")
     parts.append(f"{flight.n_risers} riser{'' if flight.n_risers == 1 else 's'}")
     if flight.pitch_deg is not None:
         parts.append(f"pitch {flight.pitch_deg.value:.1f}° ± {u_text(flight.pitch_deg.u)}")

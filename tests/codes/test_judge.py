@@ -250,6 +250,21 @@ def test_winding_flights_are_not_judged(shape):
     assert "what was not judged is no pass either" in verdict_sentence(result)
 
 
+def test_of_a_curved_flight_the_rises_and_how_even_the_goings_are_is_judged_but_no_size_of_a_going():
+    even_goings = rule(
+        "even-goings", quantity="going", statistic="flight_range", minimum=None, maximum=Limit.of("9", "mm")
+    )
+    steps = changed(even(u=0.0002), 2, going_m=measured(0.3, 0.0002))
+    result = judged(inspection_of(steps, [flight_of(steps, "curved")]), RISER, GOING, even_goings)
+    assert {found.verdict for found in result.of_rule("riser")} == {Verdict.WITHIN}
+    (size,) = result.of_rule("going")
+    assert size.verdict is Verdict.NOT_JUDGED
+    assert "walking line" in size.reason
+    (spread,) = result.of_rule("even-goings")
+    assert spread.verdict is Verdict.OUTSIDE
+    assert spread.reason == "measured on the middle line of a flight that curves"
+
+
 def test_a_first_riser_that_was_not_seen_is_named_and_leaves_the_spread_open():
     steps = changed(even(), 1, rise_m=None)
     note = ("rise_unobserved", "step 1 has no rise: no floor or landing was seen a riser below it", 1)

@@ -111,12 +111,16 @@ def test_truth_of_a_stair_that_turns(tmp_path):
     assert {step["shape"] for step in truth["steps"]} == {"straight"}
 
 
-@pytest.mark.parametrize(("shape", "shapes"), [("winder", {"straight", "winder"}), ("spiral", {"spiral"})])
+@pytest.mark.parametrize(
+    ("shape", "shapes"), [("winder", {"straight", "winder"}), ("spiral", {"spiral"}), ("curved", {"curved"})]
+)
 def test_truth_states_the_shape(shape, shapes):
     truth = truth_of(scan(build(Stair(n_risers=6, shape=shape, winder_after=1)), COARSE))
     assert [flight["shape"] for flight in truth["flights"]] == [shape]
     assert {step["shape"] for step in truth["steps"]} == shapes
     assert truth["stair"]["shape"] == shape
+    assert ("curve_radius_m" in truth["stair"]) == (shape == "curved")
+    assert ("along the arc" in truth["conventions"]["going_m"]) == (shape == "curved")
     json.dumps(truth, allow_nan=False)
 
 

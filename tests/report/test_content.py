@@ -655,6 +655,14 @@ def test_a_winding_flight_is_reported_and_not_judged():
     assert {row[-1].words for row in table_of(made, "rules").rows} <= {"not judged", "not assessed"}
 
 
+def test_of_a_curved_flight_the_report_says_on_which_line_it_was_measured():
+    steps = even(5)
+    curved = inspection_of(steps, [flight_of(steps, shape="curved")])
+    made = plain_document(curved, check(curved, find_rule_set("us-ibc-2021")))
+    assert "Flight 1 curves. Its goings are those along the arc" in text_of(made)
+    assert "winds" not in text_of(made)
+
+
 def test_the_papers_method_reports_its_own_quantities_and_judges_nothing():
     scan, _ = scanned()
     inspection = inspect(scan, Params(method="paper"))

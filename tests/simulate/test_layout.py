@@ -60,6 +60,7 @@ def test_half_turn_comes_back_beside_the_first_flight():
         Stair(landing_after=4, turn="u_left"),
         Stair(shape="winder"),
         Stair(shape="spiral", fall_errors_deg="3:2"),
+        Stair(shape="curved", curve_radius_m=3.0),
     ],
 )
 def test_a_right_turn_is_the_mirror_image(stair):
@@ -118,6 +119,32 @@ def test_spiral_keeps_going_rise_and_width_all_the_way_round(turn):
     assert steps[-1].going_m is None
 
 
+@pytest.mark.parametrize("turn", ["none", "right"])
+@pytest.mark.parametrize("overhang_m", [0.0, 0.03])
+def test_a_curved_stair_has_its_going_along_the_arc_through_the_middles_of_its_nosings(turn, overhang_m):
+    stair = Stair(
+        n_risers=9, shape="curved", curve_radius_m=4.0, turn=turn, going_m=0.28, width_m=1.0, overhang_m=overhang_m
+    )
+    steps = lay_out(stair)
+    side = -1.0 if turn == "right" else 1.0
+    centre = np.array([0.0, 4.0 * side])
+    for step, after in itertools.pairwise(steps):
+        (left, right), (left_after, right_after) = (np.array(each.nosing)[:, :2] - centre for each in (step, after))
+        for share, going in zip(SHARES_FROM_LEFT, step.going_lcr_m, strict=True):
+            a, b = left + share * (right - left), left_after + share * (right_after - left_after)
+            turned = math.atan2(a[0] * b[1] - a[1] * b[0], a @ b) * side
+            assert going == pytest.approx(turned * np.linalg.norm(a), abs=1e-12)
+        assert step.going_m == pytest.approx(0.28, abs=1e-12)
+        assert (step.shape, step.width_m) == ("curved", 1.0)
+        assert step.rise_lcr_m == pytest.approx((RISE,) * 3, abs=1e-12)
+        # The sides of the treads lie on two circles, the corners of their facets exactly.
+        for corners, radius in ((step.plan.left, 4.0 - 0.5 * side), (step.plan.right, 4.0 + 0.5 * side)):
+            assert np.linalg.norm(np.array(corners) - centre, axis=1) == pytest.approx(radius, abs=1e-12)
+    # The inner side is the left one of a stair that turns to the left.
+    assert (steps[0].going_lcr_m[0] < steps[0].going_lcr_m[2]) == (turn == "none")
+    assert steps[-1].going_m is None
+
+
 def test_winders_turn_ninety_degrees_about_the_corner():
     stair = Stair(n_risers=9, shape="winder", winder_after=3, width_m=1.0, going_m=0.28, overhang_m=0.02)
     steps = lay_out(stair)
@@ -158,6 +185,7 @@ def _behind(step):
         Stair(landing_after=9, turn="right"),
         Stair(shape="winder", winder_after=0, turn="right"),
         Stair(shape="spiral", overhang_m=0.08),
+        Stair(shape="curved", curve_radius_m=2.0, turn="right"),
         Stair(skew_errors_m="1:0.05,10:-0.05"),
     ],
 )

@@ -86,6 +86,10 @@ from stair_inspector.simulate.specs import PROFILES, Scanner, Stair, parse_error
             "stair.going_m: got 0.28; a spiral of this width has room for 0.25 m at most",
         ),
         (
+            {"shape": "curved", "curve_radius_m": 1.2, "width_m": 1.2},
+            "stair.curve_radius_m: got 1.2 with a width of 1.2 m; give more than the width, or shape spiral",
+        ),
+        (
             {"shape": "spiral", "landing_after": 4},
             "stair.landing_after: got 4; not possible with shape spiral",
         ),

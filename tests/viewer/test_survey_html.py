@@ -171,6 +171,12 @@ def test_a_flight_of_which_little_is_known_has_a_headline_all_the_same(inspectio
     assert "Flight 1 · 1 riser" in Page(survey_table(dataclasses.replace(inspection, flights=(bare,)))).words
 
 
+def test_a_curved_flight_names_its_radius(inspection):
+    (flight,) = inspection.flights
+    curved = dataclasses.replace(flight, pitch_deg=None, shape="curved", radius_m=Measured(4.003, 0.02))
+    assert flight_text(curved) == "Flight 1 · curved · radius 4.00 m ± 0.02 · 5 risers"
+
+
 def test_rows_of_the_survey_are_chosen_like_those_of_the_paper(inspection):
     rows = [row for row in Page(survey_table(inspection, 2, "id")).of("tr") if "data-step" in row]
     assert [row["aria-selected"] for row in rows] == ["false", "true", "false", "false", "false"]

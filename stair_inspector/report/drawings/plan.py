@@ -79,9 +79,11 @@ def plan(inspection: Inspection, text_mm: float, steps: Sequence[Step] | None = 
             parts += _width_and_number(step, frame, text_mm, is_wedge=flight.edge_mm is None)
             parts += _going(step, after, flight, frame, text_mm, is_expected=step.step_id not in last)
     parts += _walking_line(chosen, frame, up, text_mm)
+    curved = {flight.flight_id for flight in inspection.flights if flight.shape == "curved"}
+    along = ", of a flight that curves along its arc" if any(step.flight in curved for step in chosen) else ""
     notes = (
-        "Seen from above. Going: nosing to nosing on the centre line, square to the nosing. Width: between the sides "
-        "of the tread, not between handrails.",
+        f"Seen from above. Going: nosing to nosing on the centre line, square to the nosing{along}. Width: between the "
+        "sides of the tread, not between handrails.",
         "The arrow points up the stair. North is not known from the scan. Millimetres.",
     )
     return Drawing("plan", _titled(chosen), notes, tuple(parts), text_mm)

@@ -189,6 +189,13 @@ def test_without_nosings_there_is_no_drawing(draw):
     assert plan_svgs(bare) == section_svgs(bare) == ()
 
 
+def test_the_plan_says_that_a_curved_flights_goings_follow_its_arc():
+    inspection = SHAPES["straight"]
+    curved = dataclasses.replace(inspection, flights=(dataclasses.replace(inspection.flights[0], shape="curved"),))
+    said = ["of a flight that curves along its arc" in plan(each, TEXT_MM).notes[0] for each in (inspection, curved)]
+    assert said == [False, True]
+
+
 def test_a_flight_that_winds_has_its_goings_on_the_walking_line():
     inspection = SHAPES["straight"]
     winding: Flight = dataclasses.replace(inspection.flights[0], shape="spiral")
