@@ -30,6 +30,7 @@ from stair_inspector.report.document import (
     Table,
     plain,
 )
+from stair_inspector.report.examination import examination_table
 from stair_inspector.report.fields import FIELD_GROUPS, ReportBasis, ReportFields
 from stair_inspector.report.note_words import note_words
 from stair_inspector.report.units import tidy
@@ -134,6 +135,8 @@ def _front(inspection: Inspection, check: Check | None, pictures: Pictures) -> l
     changed = "" if check is None else wording.changed_limits_sentence(check)
     if changed:
         blocks.append(Paragraph(changed))
+    if inspection.examination:
+        blocks.append(examination_table(inspection))
     figures = _key_figures(inspection)
     if figures or status is not None:
         blocks.append(KeyFigures(figures, status))

@@ -3,10 +3,13 @@
 from collections.abc import Iterable
 
 from stair_inspector.model import Inspection, Observation
-from stair_inspector.report.document import plain
+from stair_inspector.report.cures import cure_words
+from stair_inspector.report.document import Column, Status, Table, Tone, plain
 
 LEVELS = ("question", "doubt", "info")
 """The levels of an observation, the gravest first; each is the word for itself."""
+
+_TONES: dict[str, Tone] = {"question": "bad", "doubt": "close", "info": "plain"}
 
 
 def examined(inspection: Inspection) -> tuple[Observation, ...]:
@@ -19,6 +22,37 @@ def examination_lines(inspection: Inspection) -> Iterable[str]:
     for found in examined(inspection):
         cure = f"; {_asked_for(found)}" if found.cure else ""
         yield plain(f"{found.level}: {found.message}{cure}").replace("\n", " ")
+
+
+def examination_table(inspection: Inspection) -> Table:
+    """Return what was found about the scan before it was measured, the gravest first."""
+    columns = (
+        Column("Kind"),
+        Column("What was found about the scan", width=4.0),
+        Column("Size", "mm", 1),
+        Column("What helps", width=3.0),
+    )
+    found = examined(inspection)
+    rows = tuple(
+        (
+            Status(each.level, _TONES[each.level]),
+            _sentence(each.message),
+            None if each.size_m is None else round(each.size_m * 1000.0, 6),
+            _sentence(cure_words(each)),
+        )
+        for each in found
+    )
+    tones = tuple((row, _TONES[each.level]) for row, each in enumerate(found) if each.level != "info")
+    note = (
+        "A question withholds every value until it is answered; a doubt concerns what may be wrong, or is in every U; "
+        "an info changes nothing."
+    )
+    return Table("examination", "Examination of the scan", columns, rows, note, tones=tones)
+
+
+def _sentence(words: str) -> str:
+    said = plain(words)
+    return said[:1].upper() + said[1:]
 
 
 def _asked_for(found: Observation) -> str:

@@ -8,7 +8,8 @@ _ADVICE = re.compile(
     r"(?:;|:|, so several have run together:) (?:"
     r"give --up\b|if that is wrong, state the unit with --unit|choose the scanner's preset, or set uncertainty\.\*|"
     r"check the up direction|try another axes rule|lower eps_z or raise m|correct overrules\.climb|"
-    r"measure with the method survey|overrule it if that is the step|make the region larger to measure it"
+    r"it is answered by:|measure with the method survey|overrule it if that is the step|"
+    r"make the region larger to measure it"
     r").*\Z",
     re.DOTALL,
 )

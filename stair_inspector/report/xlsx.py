@@ -90,7 +90,8 @@ class _Sheets:
         rows = [(name, f"{table.title}. {table.note}" if table.note else table.title) for name, table in held]
         made = f"{document.made_at:%Y-%m-%d}"
         head = [(document.title, " · ".join(part for part in (document.reference, made) if part)), ("", _ABOUT)]
-        self._texts(_OWN_SHEETS[0], ("Sheet", "What it holds"), [*head, *rows], (34, 110))
+        first = [row for block in document.front if isinstance(block, Table) for row in _told(block)]
+        self._texts(_OWN_SHEETS[0], ("Sheet", "What it holds"), [*head, *first, *rows], (34, 110))
 
     def facts(self, document: Document) -> None:
         """Write the identity, instrument, scan and rule set: labels with values."""
@@ -178,6 +179,20 @@ class _Sheets:
             number += 1
         self._names.add(name.casefold())
         return name
+
+
+def _told(table: Table) -> list[tuple[str, str]]:
+    """Return the rows of a table of the first page as texts: what a reader must know before the sheets."""
+    return [
+        (table.title if not number else "", "; ".join(filter(None, map(_text_of, table.columns, cells))))
+        for number, cells in enumerate(table.rows)
+    ]
+
+
+def _text_of(column: Column, cell: Cell) -> str:
+    if cell is None or isinstance(cell, str):
+        return cell or ""
+    return cell.words if isinstance(cell, Status) else f"{column.text(cell)} {column.unit}".strip()
 
 
 def _width_of(table: Table, k: int) -> int:

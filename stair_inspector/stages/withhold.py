@@ -8,6 +8,8 @@ from stair_inspector.model import Flight, Inspection, Measured, Note, PaperValue
 Part = TypeVar("Part", Step, Flight)
 CODE = "withheld"
 """Of the note that says why there are no values."""
+ANSWERED_BY = "; it is answered by: "
+"""How the note goes on for those who have a command line."""
 
 
 def withhold(inspection: Inspection) -> Inspection:
@@ -61,5 +63,5 @@ def _without_values(part: Part) -> Part:
 
 
 def _sentence(message: str, cure: str) -> str:
-    answer = f"; it is answered by: {cure}" if cure else ""
+    answer = f"{ANSWERED_BY}{cure}" if cure else ""
     return f"no value is given and nothing is judged before this question about the scan is answered: {message}{answer}"

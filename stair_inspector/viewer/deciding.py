@@ -6,6 +6,8 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.params import OverrulesParams
 from stair_inspector.viewer.controls import VERDICTS
 from stair_inspector.viewer.desk import Desk, Editor
+from stair_inspector.viewer.examination_html import CURE, offered_cures
+from stair_inspector.viewer.markup import read_order
 from stair_inspector.viewer.panel import Panel
 from stair_inspector.viewer.results import Results
 from stair_inspector.viewer.tabs.steps import TAKE_BACK
@@ -13,7 +15,7 @@ from stair_inspector.viewer.work import Keeper
 
 
 class Deciding:
-    """The form "Overrules" of the Steps tab."""
+    """The form "Overrules" of the Steps tab, and the answers to what was asked about the scan."""
 
     def __init__(self, desk: Desk, panel: Panel, results: Results, keeper: Keeper, editor: Editor) -> None:
         self._desk = desk
@@ -42,6 +44,13 @@ class Deciding:
             self._desk.selected = self._desk.selected_patch = None
             reason.value = ""
             self._editor.submit()
+
+    def take_cure(self, message: str) -> None:
+        """Take the settings that a button of the examination offers: they answer a question, or mend a doubt."""
+        with self._desk.lock:
+            offered = offered_cures(self._desk.inspection)
+            cure = offered[read_order(message, (CURE,)).index_in(offered, "examination")]
+        self._editor.adjust(cure.applied, cure.words)
 
     def submit_texts(self) -> None:
         """Let the overrules that are written count."""

@@ -86,11 +86,13 @@ def table_html(
     if inspection is not None and not inspection.steps:
         rows += f'<tr><td colspan="{len(names)}" style="padding:10px 6px;color:{DIM}">No steps.</td></tr>'
     caption = ""
-    if columns == "survey" and rows:
+    if inspection is not None and columns == "survey" and rows:
         caption = (
             "± is the expanded uncertainty, k = 2; rest on a value to see what it is made of. Underlined: the "
             "neighbours that differ most."
         )
+        if inspection.is_withheld:
+            caption = "No value is given before the question above is answered."
         caption = f'<div style="font-size:10.5px;color:{DIM};padding:3px 5px">{caption}</div>'
     return (
         f'<div data-testid="steps" data-columns="{columns}" class="si-results" '

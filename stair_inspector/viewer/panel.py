@@ -72,6 +72,7 @@ class Panel:
         self.legend = gui.add_html("")
         self.header = gui.add_html("")
         self.state = gui.add_html("")
+        self.examination = gui.add_html("")
         # The button on the line of the state writes here.
         self.cancel: Any = gui.add_button("Cancel", visible=False)
         self.cancel.on_click(lambda _: actions.on_cancel())

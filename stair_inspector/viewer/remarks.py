@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from stair_inspector.model import Note
+from stair_inspector.stages.withhold import ANSWERED_BY
 
 _ON_THE_PAGE = (
     ("state the unit with --unit", "set Unit of the file on the Scan tab"),
@@ -37,7 +38,8 @@ def on_page(words: str) -> str:
     """Return the words of a note or an error with the page's controls for the options of the command line."""
     for said, meant in _ON_THE_PAGE:
         words = words.replace(said, meant)
-    return words
+    # A page has buttons for it, above the tabs.
+    return words.partition(ANSWERED_BY)[0]
 
 
 def needs_look(note: Note) -> bool:

@@ -12,6 +12,7 @@ from stair_inspector.report.units import read_unit
 from stair_inspector.viewer import histogram, html
 from stair_inspector.viewer.desk import Desk, Shown
 from stair_inspector.viewer.dimensions import dimensions_of
+from stair_inspector.viewer.examination_html import examination_html, headline_html
 from stair_inspector.viewer.markup import FLIGHT
 from stair_inspector.viewer.panel import Panel
 from stair_inspector.viewer.scene import HIGHLIGHT
@@ -124,8 +125,10 @@ class Results:
         )
 
     def show_details(self) -> None:
-        """Show the notes, the settings that were used and the times."""
-        inspection = self._desk.inspection
+        """Show what was found about the scan, the notes, the settings that were used and the times."""
+        inspection, uuid = self._desk.inspection, self._panel.picked._impl.uuid
+        self._panel.examination.content = headline_html(inspection, uuid)
+        self._panel.scan.examination.content = examination_html(inspection, uuid)
         self._panel.details.content = html.details_html(inspection)
         self._panel.scan.up_used.content = html.up_html(inspection.up) if inspection is not None else ""
 

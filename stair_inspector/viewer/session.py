@@ -20,6 +20,7 @@ from stair_inspector.viewer.comparing import Comparing, sweep_titles
 from stair_inspector.viewer.controls import words_of_change
 from stair_inspector.viewer.deciding import Deciding
 from stair_inspector.viewer.desk import Desk, Shown
+from stair_inspector.viewer.examination_html import CURE
 from stair_inspector.viewer.exporting import Exporting
 from stair_inspector.viewer.library import Library
 from stair_inspector.viewer.looking import Looking
@@ -211,6 +212,9 @@ class Session:
         word, _, value = str(message).partition(":")[0].partition(" ")
         if word == RULE:
             self.checking.pick(value)
+            return
+        if word == CURE:
+            self.deciding.take_cure(message)
             return
         if word != REACH:
             self.results.pick(message)

@@ -39,6 +39,7 @@ class ScanTab:
     def __init__(
         self, gui: viser.GuiApi, labels: tuple[str, ...], controls: SettingControls, actions: ScanActions
     ) -> None:
+        self.examination = gui.add_html("")
         self.chooser: Any = gui.add_dropdown(
             "Scan", labels, initial_value=labels[0], hint="The scans of the folder, and those uploaded on this page."
         )

@@ -1,0 +1,96 @@
+"""What a cure of the command line means for someone who has no command line: settings, and words for them."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.model import Observation
+from stair_inspector.params import GROUPS, Group, Params, fields_of, knob_of
+
+_FLAG = r"--([a-z][a-z0-9-]*(?:\.[a-z][a-z0-9-]*)?)(?:=|\s+)([^\s;,]+(?:,[^\s;,]+)*)"
+_FLAGS = re.compile(rf"{_FLAG}(?:\s+{_FLAG})*")
+"""Flags one behind the other belong together; others are alternatives, as in ``--up=z or --up=-y``."""
+_UNITS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
+_NAMES = {"method": "the method", "axes.rule": "the axes rule", "normals.source": "the normals"}
+
+
+@dataclass(frozen=True, slots=True)
+class Cure:
+    """Settings that answer a question or mend a doubt, by dotted name, and the words for them."""
+
+    words: str
+    changes: tuple[tuple[str, object], ...]
+
+    def applied(self, params: Params) -> Params:
+        """Return the settings with these among them."""
+        for name, value in self.changes:
+            params = params.replaced(name, value)
+        return params
+
+
+def cures_of(found: Observation) -> tuple[Cure, ...]:
+    """Return the alternatives among settings that a cure names; none where it is a sentence without flags.
+
+    Examples
+    --------
+    >>> [cure.words for cure in cures_of(Observation("a", "question", "", cure="--unit in or --unit cm"))]
+    ['the file is in inches', 'the file is in centimetres']
+    """
+    cures = (_cure_of(match.group(0)) for match in _FLAGS.finditer(found.cure))
+    return tuple(dict.fromkeys(cure for cure in cures if cure is not None))
+
+
+def cure_words(found: Observation) -> str:
+    """Return a cure for someone who reads: flags in words, a sentence as it is."""
+    words = found.cure
+    for match in reversed(list(_FLAGS.finditer(words))):
+        cure = _cure_of(match.group(0))
+        if cure is not None:
+            words = words[: match.start()] + cure.words + words[match.end() :]
+    return words
+
+
+def _cure_of(flags: str) -> Cure | None:
+    """Return what some flags mean; None where one of them is no setting, or has a value that it cannot have."""
+    try:
+        changes = tuple(_change_of(flag, value) for flag, value in re.findall(_FLAG, flags))
+        Cure("", changes).applied(Params())
+    except (ConfigError, ValueError):
+        return None
+    return Cure(_said(changes), changes)
+
+
+def _change_of(flag: str, value: str) -> tuple[str, object]:
+    """Return the name and the value of a setting, of the setting's own type.
+
+    Raises
+    ------
+    ConfigError, ValueError
+        There is no such setting, or its value is none.
+    """
+    name = flag.replace("-", "_")
+    group, _, field = name.rpartition(".")
+    known = fields_of(GROUPS.get(group, Group) if group else Params)
+    if field not in known:
+        raise ConfigError(f"{name}: unknown setting")
+    kind = known[field][0]
+    return name, kind(value) if kind in (int, float) else value
+
+
+def _said(changes: Iterable[tuple[str, object]]) -> str:
+    return " and ".join(_setting_words(name, value) for name, value in changes)
+
+
+def _setting_words(name: str, value: object) -> str:
+    if name == "up":
+        return f"up is {value}"
+    if name == "unit":
+        return f"the file is in {_UNITS.get(str(value), str(value))}"
+    try:
+        knob = knob_of(name)
+    except ConfigError:
+        return f"set {_NAMES.get(name, name)} to {value}"
+    unit = f" {knob.display_unit}" if knob.display_unit else ""
+    called = f"{knob.symbol} ({knob.label})" if knob.symbol else knob.label
+    return f"set {called} to {knob.shown(float(str(value))):g}{unit}"
