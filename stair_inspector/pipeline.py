@@ -8,6 +8,7 @@ from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
+from stair_inspector.stages.causes import with_cause
 from stair_inspector.stages.dither import spread_steps
 from stair_inspector.stages.examine import examine
 from stair_inspector.stages.flights import find_chains
@@ -22,6 +23,7 @@ from stair_inspector.stages.verdict import conclude, conclude_survey
 from stair_inspector.stages.withhold import withhold
 
 
+@with_cause
 def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     """Measure a staircase.
 
@@ -50,11 +52,8 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     is_auto = params.up == "auto"
     how = (params.floor, params.method) if is_auto else (FloorParams(), "survey")
     up = memo.run("up", orient.find_up, scan, normals, params.up, *how, heavy=is_auto)
-    up = (
-        memo.run("plumb", refine_up, scan, normals, up, params.flights.at_least_usual)
-        if is_auto and params.method == "survey"
-        else up
-    )
+    if is_auto and params.method == "survey":
+        up = memo.run("plumb", refine_up, scan, normals, up, params.flights.at_least_usual)
     heights = memo.run("heights", orient.order_by_height, scan, normals, up, params.overrules.region)
     is_sparse = False
     if params.method == "survey":

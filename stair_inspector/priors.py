@@ -8,6 +8,8 @@ user can widen is a setting (``flights.*``); its default is here.
 # Steps.
 LEAST_RISE_M, MOST_RISE_M = 0.06, 0.3
 """Rises that are looked for by default; codes allow 100 to 241 mm."""
+COMMON_RISES_M = (0.12, 0.22)
+"""What nearly all rises are, by which a unit is guessed."""
 SHORTEST_GOING_M = 0.1
 """From nosing to nosing; alternating treads and ladders are none."""
 USUAL_RISE_M, USUAL_GOING_M = 0.17, 0.28

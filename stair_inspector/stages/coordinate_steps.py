@@ -23,8 +23,9 @@ _BINARY = range(0, 9)
 _FINEST_M = 2e-5
 _LEAST_SHARE = 0.4
 """Two stations may come from two programs: so much of the points at least lies on the step."""
-_SHARE_LOST = 0.05
-"""A coarser step may hold so much less of the points than the best one."""
+_SHARE_LOST = 0.002
+"""A coarser step may hold so much less of the points than the best one, and what lies on that by chance. On a level
+floor nearly all points may lie on every fourth place of a step."""
 _WIDEST_ALONE_M = 0.03
 """Levels of a noise-free model are a lattice of risers: a wider step needs a second axis that agrees."""
 _FEWEST_SITES, _MANY_SITES = 5, 100
@@ -145,14 +146,19 @@ def _find_rounding(local: Floats, origin_m: float, per_unit: float, exactness_m:
         step = _tested(local, step_m, exactness_m)
         if step is not None:
             found.append(step)
-            if step.share >= 1.0 - _SHARE_LOST:
+            if step.share >= 1.0 - _lost(step.step_m, exactness_m):
                 # No finer step can hold so much more.
                 break
     if not found:
         return _NONE
     most = max(step.share for step in found)
-    best = max((step for step in found if step.share >= most - _SHARE_LOST), key=lambda step: step.step_m)
+    good = [step for step in found if step.share >= most - _lost(step.step_m, exactness_m)]
+    best = max(good, key=lambda step: step.step_m)
     return _named(best, local, origin_m, per_unit, exactness_m)
+
+
+def _lost(step_m: float, exactness_m: float) -> float:
+    return _SHARE_LOST + exactness_m / step_m
 
 
 def _round_steps(per_unit: float) -> list[float]:

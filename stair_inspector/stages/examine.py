@@ -16,9 +16,11 @@ _LEAST_SAID_M = 0.0004
 _FEWEST = 500
 """Of fewer points nothing more can be said."""
 _FINE = 0.2
-_POINTS_PER_TREAD = 100
+POINTS_PER_TREAD = 100
 """So many are enough to measure a tread."""
 _WIDTH_M = 1.0
+TREAD_M2 = priors.USUAL_GOING_M * _WIDTH_M
+"""A usual tread, by which the density of a scan is judged."""
 _CURES = {
     "coordinates_rounded": (
         "export once more with full precision: LAS or LAZ with a scale of 0.0001 m, E57 or PLY in double precision, "
@@ -73,9 +75,8 @@ def examine(scan: Scan) -> Examination:
     if axis is not None:
         message = f"the cloud also holds a mirror image of itself across {'xyz'[axis]} = 0"
         found.append(Observation("cloud_mirrored", "doubt", message, None, _CURES["cloud_mirrored"]))
-    tread_m2 = priors.USUAL_GOING_M * _WIDTH_M
-    if tread_m2 / spacing_m**2 < _POINTS_PER_TREAD:
-        found.append(_observe_sparse(spacing_m, round(tread_m2 / spacing_m**2)))
+    if TREAD_M2 / spacing_m**2 < POINTS_PER_TREAD:
+        found.append(_observe_sparse(spacing_m, round(TREAD_M2 / spacing_m**2)))
     return Examination(tuple(found), steps.steps_m, max((way.apart_m for way in doubled), default=0.0))
 
 
@@ -87,6 +88,8 @@ def size_text(size_m: float) -> str:
     >>> size_text(0.012), size_text(0.5), size_text(0.03125)
     ('12 mm', '0.5 m', '31.2 mm')
     """
+    if size_m >= 1000.0:
+        return f"{size_m:,.0f} m"
     return f"{size_m:.3g} m" if size_m >= 0.1 else f"{size_m * 1000.0:.3g} mm"
 
 
@@ -142,6 +145,6 @@ def _observe_copy(shift: Floats) -> Observation:
 def _observe_sparse(spacing_m: float, per_tread: int) -> Observation:
     message = (
         f"points lie about {size_text(spacing_m)} apart: some {per_tread} on a tread of "
-        f"{priors.USUAL_GOING_M * 1000.0:.0f} x {_WIDTH_M * 1000.0:.0f} mm, where {_POINTS_PER_TREAD} are needed"
+        f"{priors.USUAL_GOING_M * 1000.0:.0f} x {_WIDTH_M * 1000.0:.0f} mm, where {POINTS_PER_TREAD} are needed"
     )
     return Observation("points_sparse", "doubt", message, spacing_m, _CURES["points_sparse"])

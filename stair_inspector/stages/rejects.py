@@ -98,7 +98,7 @@ def may_be_step(surface: Surface, min_area_m2: float) -> bool:
     """Return whether a surface is large and level enough to be part of a staircase, and more than a line of points."""
     is_level = lean_deg(surface) <= priors.STEEPEST_TREAD_DEG
     # Of a tread only a strip may be seen, but a line of points is none.
-    return surface.area_m2 >= min_area_m2 and is_level and _narrow_side(surface) >= _LINE_M
+    return surface.area_m2 >= min_area_m2 and is_level and narrow_side(surface) >= _LINE_M
 
 
 def find_undersides(patches: Patches) -> frozenset[int]:
@@ -117,7 +117,7 @@ def find_undersides(patches: Patches) -> frozenset[int]:
                 continue
             for k in (lower, upper):
                 if k not in keys:
-                    keys[k] = _plan_keys(surfaces[k], 2.0 * patches.cell_m)
+                    keys[k] = plan_keys(surfaces[k], 2.0 * patches.cell_m)
             if np.isin(keys[lower], keys[upper]).mean() >= _UNDER_SHARE:
                 found.add(lower)
     return frozenset(found)
@@ -151,7 +151,7 @@ def explain_rejects(
     """
     surfaces = patches.surfaces
     side_m = 2.0 * patches.cell_m
-    keys = [_plan_keys(surface, side_m) for surface in surfaces]
+    keys = [plan_keys(surface, side_m) for surface in surfaces]
     undersides = find_undersides(patches)
     steps = [k for chain in chains.chains for k in chain.steps]
     bases = sorted({chain.base for chain in chains.chains if chain.base is not None})
@@ -242,12 +242,12 @@ def _why_by_itself(surface: Surface, least_area_m2: float) -> str | None:
         return f"only {surface.area_m2:.3f} m² large, less than any tread (patches.min_area_m2 is {least_area_m2:g})"
     if lean_deg(surface) > priors.STEEPEST_TREAD_DEG:
         return f"leans by {lean_deg(surface):.0f}°: a ramp or a slanting object, not a tread"
-    if _narrow_side(surface) < priors.NARROWEST_TREAD_M:
-        return f"only {_narrow_side(surface) * 1000.0:.0f} mm wide: a railing, a ledge or a beam"
+    if narrow_side(surface) < priors.NARROWEST_TREAD_M:
+        return f"only {narrow_side(surface) * 1000.0:.0f} mm wide: a railing, a ledge or a beam"
     return None
 
 
-def _plan_keys(surface: Surface, side_m: float) -> Ints:
+def plan_keys(surface: Surface, side_m: float) -> Ints:
     """Return one number for each plan cell a surface occupies, the same for all surfaces."""
     cells = np.floor(surface.cells_m / side_m).astype(np.int64)
     return np.unique(cells[0] * 2**32 + cells[1])
@@ -259,7 +259,8 @@ def _distance(surface: Surface, place: Floats) -> float:
     return math.hypot(plan, surface.height_m - float(place[2]))
 
 
-def _narrow_side(surface: Surface) -> float:
+def narrow_side(surface: Surface) -> float:
+    """Return the extent of a surface in plan along its lesser axis, metres."""
     shift = surface.cells_m - surface.cells_m.mean(axis=1)[:, None]
     axis = np.linalg.eigh(np.einsum("in,jn->ij", shift, shift))[1][:, 0]
     low, high = np.percentile(axis @ shift, [2.0, 98.0])

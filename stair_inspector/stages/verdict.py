@@ -29,10 +29,10 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import Params
-from stair_inspector.stages.flights import find_chains
+from stair_inspector.stages.causes import why_no_flight
 from stair_inspector.stages.paper import measure_h, review_steps
 from stair_inspector.stages.region import note_region_cuts
-from stair_inspector.stages.rejects import Forced, explain_rejects, lean_deg
+from stair_inspector.stages.rejects import Forced, explain_rejects
 from stair_inspector.stages.survey import Survey
 
 _MERGED_M = 0.1
@@ -130,7 +130,7 @@ def conclude_survey(
             *_region_cuts(paper, scan, horizontal, patches, survey),
         ]
     else:
-        reason = _why_no_flight(patches, chains, forced, paper.params, len(paper.levels))
+        reason = why_no_flight(scan, paper, horizontal, patches, chains, forced)
         notes.append(Note("no_staircase", "verdict", f"no staircase found: {reason}"))
     lowest = min((patch for patch in named if patch.kind == "floor"), key=lambda patch: patch.height_m, default=None)
     return dataclasses.replace(
@@ -268,41 +268,6 @@ def _region_cuts(paper: Inspection, scan: Scan, horizontal: Horizontal, patches:
 
 def _angle_deg(a: Floats, b: Floats) -> float:
     return math.degrees(math.acos(min(1.0, abs(float(a @ b)))))
-
-
-def _why_no_flight(patches: Patches, chains: Chains, forced: Forced, params: Params, n_levels: int) -> str:
-    """Return why no surfaces follow each other as steps."""
-    surfaces = patches.surfaces
-    advice = "check the up direction, then theta_th, eps_z and m"
-    if not surfaces:
-        return f"{n_levels} horizontal level{'' if n_levels == 1 else 's'} and no connected surface in them; {advice}"
-    largest = max(surfaces, key=lambda surface: surface.area_m2)
-    lean = lean_deg(largest)
-    what = f"{len(surfaces)} horizontal surface{'' if len(surfaces) == 1 else 's'}"
-    left_out = _left_out_by_climb(patches, chains, forced, params)
-    if left_out:
-        found, advice = left_out, "correct overrules.climb, or set it to auto"
-    elif chains.longest_risers == 1:
-        found = "only single risers, as of a kerb or a platform, where a flight has two and more in a row"
-    elif chains.longest_risers:
-        found = f"at most {chains.longest_risers} risers in a row, too uneven or too few for a flight"
-    else:
-        found = "no two of them a riser apart in height and side by side in plan"
-    ramp = ""
-    if priors.RAMP_DEG[0] <= lean <= priors.RAMP_DEG[1]:
-        ramp = f"; the largest, of {largest.area_m2:.1f} m², leans by {lean:.1f}° as a ramp does"
-    return f"{what}, but {found}{ramp}; {advice}"
-
-
-def _left_out_by_climb(patches: Patches, chains: Chains, forced: Forced, params: Params) -> str:
-    """Return what overrules.climb leaves out that would be more of a flight; empty if nothing, or if it is not set."""
-    if forced.climb is None:
-        return ""
-    free = find_chains(patches, params.flights, params.patches.min_area_m2, Forced(forced.kinds))
-    if free.longest_risers <= chains.longest_risers:
-        return ""
-    risers = f"{free.longest_risers} riser{'' if free.longest_risers == 1 else 's'} in a row"
-    return f"overrules.climb ({params.overrules.climb}) leaves out {risers}, which climb another way"
 
 
 def why_no_staircase(surfaces: Surfaces, levels: tuple[Level, ...], up: Up) -> str | None:

@@ -133,3 +133,15 @@ def test_points_are_not_changed_and_few_points_are_no_trouble():
     assert not find_steps(scan).steps_m.any()
     np.testing.assert_array_equal(scan.points, before)
     assert not find_steps(scan_of(np.zeros((1, 3)))).steps_m.any()
+
+
+@pytest.mark.parametrize("noise", [0.0008, 0.001, 0.0015])
+def test_a_level_floor_does_not_make_a_step_coarser(noise):
+    # Floor and kerb lie at multiples of 20 mm, and so do most of their rounded points.
+    rng = np.random.default_rng(2)
+    points = rng.uniform(0.0, 3.0, (30_000, 3))
+    points[:, 2] = np.where(points[:, 0] < 1.5, 0.0, 0.12) + rng.normal(0.0, noise, len(points))
+    found = steps_mm(np.round(points / 0.005) * 0.005)
+    np.testing.assert_allclose(found[:2], 5.0, rtol=1e-6)
+    # Where no point has left the height of its surface, nothing can be known.
+    assert found[2] == pytest.approx(5.0) or noise < 0.001

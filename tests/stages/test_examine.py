@@ -67,7 +67,9 @@ def test_the_share_is_said_where_only_some_points_lie_on_it():
     assert only(mixed).message == "the coordinates of 50% of the points are rounded to 1 mm"
 
 
-@pytest.mark.parametrize(("size_m", "text"), [(0.0994, "99.4 mm"), (0.1, "0.1 m"), (0.004, "4 mm"), (1.25, "1.25 m")])
+@pytest.mark.parametrize(
+    ("size_m", "text"), [(0.0994, "99.4 mm"), (0.1, "0.1 m"), (0.004, "4 mm"), (1.25, "1.25 m"), (3320.0, "3,320 m")]
+)
 def test_lengths_as_sentences_name_them(size_m, text):
     assert size_text(size_m) == text
 
