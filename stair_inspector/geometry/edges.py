@@ -59,7 +59,8 @@ class EdgeLine:
 
     ``noise_m`` is the standard uncertainty of ``middle_m`` as the scatter along the edge shows it, ``slope_noise`` that
     of the slope; ``support`` the share of the edge that was seen; ``purity`` the share of the points in which a face
-    was looked for that lie on it.
+    was looked for that lie on it. ``obstructed_m`` is the part of ``noise_m`` that is there because something stands at
+    the edge, whose shadow it may be.
     """
 
     middle_m: float
@@ -70,6 +71,12 @@ class EdgeLine:
     support: float
     source: Literal["tread", "face"]
     purity: float = 1.0
+    obstructed_m: float = 0.0
+
+    @property
+    def free_noise_m(self) -> float:
+        """Return the noise without what is there because of an obstacle."""
+        return math.sqrt(max(0.0, self.noise_m**2 - self.obstructed_m**2))
 
     def flipped(self) -> "EdgeLine":
         """Return the same edge with ``out`` counted the other way."""

@@ -51,6 +51,7 @@ _MOST_NEAR = 60_000
 _OBSTRUCTED_M = 0.015
 _OBSTACLE_INSIDE_M, _OBSTACLE_OUTSIDE_M = 0.03, 0.14
 _OBSTACLE_LOW_M, _OBSTACLE_SIGMA = 0.02, 5.0
+_OBSTACLE_HIGH_M = 0.06
 _FEWEST_OF_OBSTACLE = 8
 _LEAST_SUPPORT = 0.55
 _LEAST_PURITY = 0.6
@@ -216,7 +217,8 @@ def _shapes_along(
         )
         shapes.append(shape)
         above = shape
-    return with_doubtful_fronts(shapes[::-1])
+    is_one_way = is_straight and arc is None
+    return with_doubtful_fronts(shapes[::-1], chain, climbs[0] if is_one_way else None)
 
 
 def _common_span(patches: Patches, chain: Chain, climb: Floats) -> tuple[float, float] | None:
@@ -529,7 +531,8 @@ class _Finder:
         face = down if half == "above" else up
         chosen = self._choose(extent, face, middle)
         if chosen is not None and chosen.source == "tread" and self._is_obstructed(out, offset, chosen.at(middle)):
-            chosen = replace(chosen, noise_m=math.hypot(chosen.noise_m, _OBSTRUCTED_M), support=0.0)
+            noise_m = math.hypot(chosen.noise_m, _OBSTRUCTED_M)
+            chosen = replace(chosen, noise_m=noise_m, support=0.0, obstructed_m=_OBSTRUCTED_M)
         return chosen
 
     def _face(
@@ -566,7 +569,9 @@ class _Finder:
         """Return whether something stands at an edge, as a post does, whose shadow may be taken for the edge."""
         beside = (out >= edge_m - _OBSTACLE_INSIDE_M) & (out <= edge_m + _OBSTACLE_OUTSIDE_M)
         low_m = max(_OBSTACLE_LOW_M, _OBSTACLE_SIGMA * self.sampling.sigma_m)
-        return bool(np.count_nonzero(beside & (offset >= low_m)) >= _FEWEST_OF_OBSTACLE)
+        # Higher up the tread above begins.
+        beside &= (offset >= low_m) & (offset <= low_m + _OBSTACLE_HIGH_M)
+        return bool(np.count_nonzero(beside) >= _FEWEST_OF_OBSTACLE)
 
     def _choose(self, extent: EdgeLine | None, face: EdgeLine | None, middle: float) -> EdgeLine | None:
         if self.params.edge_source == "tread" or face is None:
