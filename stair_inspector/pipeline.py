@@ -17,7 +17,8 @@ from stair_inspector.stages.nosings import find_shapes
 from stair_inspector.stages.patches import split_levels
 from stair_inspector.stages.plumb import refine_up
 from stair_inspector.stages.rejects import apply_overrules
-from stair_inspector.stages.sparse import Fitted, find_sparse, follow_spacing
+from stair_inspector.stages.retry import say_tried, try_suggested
+from stair_inspector.stages.sparse import Fitted, Sparse, find_sparse, follow_spacing
 from stair_inspector.stages.survey import measure_survey
 from stair_inspector.stages.verdict import conclude, conclude_survey
 from stair_inspector.stages.withhold import withhold
@@ -55,10 +56,8 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     if is_auto and params.method == "survey":
         up = memo.run("plumb", refine_up, scan, normals, up, params.flights.at_least_usual)
     heights = memo.run("heights", orient.order_by_height, scan, normals, up, params.overrules.region)
-    is_sparse = False
-    if params.method == "survey":
-        spaced = memo.run("sparse", find_sparse, heights)
-        heights, is_sparse = spaced.heights, spaced.is_sparse
+    spaced = memo.run("sparse", find_sparse, heights) if params.method == "survey" else Sparse(heights, False)
+    heights, is_sparse = spaced.heights, spaced.is_sparse
     horizontal = memo.run("horizontal", find.select_horizontal, heights, params.horizontal)
     fitted = Fitted(params.levels, params.patches)
     if is_sparse:
@@ -87,11 +86,13 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
     chains = memo.run("flights", find_chains, patches, params.flights, params.patches.min_area_m2, forced)
     of_points = (heights, horizontal, patches, chains, params.survey.of_edges, spread.is_stepped)
-    sparse_step_m = float(examined.steps_m.max()) if is_sparse else None
-    shapes = memo.run("nosings", find_shapes, *of_points, sparse_step_m)
+    shapes = memo.run("nosings", find_shapes, *of_points, float(examined.steps_m.max()) if is_sparse else None)
     how_sure = (params.survey, params.uncertainty, params.display)
     of_scan = (patches, chains, shapes, steps, up, forced, *how_sure, examined)
     survey = memo.run("survey", measure_survey, horizontal, *of_scan)
     survey = take_out_impossible(survey, params.flights)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
+    if not concluded.steps:
+        tried = memo.run("suggested", try_suggested, heights, is_sparse, params, forced)
+        concluded = say_tried(concluded, tried, dict(memo.timings_s))
     return withhold(concluded)
