@@ -705,3 +705,23 @@ def test_captures_without_stairs(name):
     inspection = capture(name)
     assert inspection.steps == ()
     assert "no_staircase" in codes(inspection)
+
+
+# --- thinning ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["even", pytest.param("going shrinks", marks=pytest.mark.slow)])
+def test_of_twenty_values_nineteen_move_within_the_larger_u_when_half_of_the_points_are_left(name):
+    points = simulate(CASES[name], COARSE, 1)[0].points
+    half = points[np.random.default_rng(0).random(len(points)) < 0.5]
+    whole, thinned = (inspect(make_scan(some), PARAMS) for some in (points, half))
+    assert len(thinned.steps) == len(whole.steps)
+    moved = [
+        abs(now.value - was.value) / max(was.u, now.u)
+        for step, again in zip(whole.steps, thinned.steps, strict=True)
+        for quantity in ("rise_m", "going_m", "tread_depth_m")
+        if (was := getattr(step, quantity)) is not None and (now := getattr(again, quantity)) is not None
+    ]
+    # u is expanded by k = 2: about 95 %.
+    assert np.mean(np.array(moved) <= 1.0) >= 0.95
+    assert max(moved) <= 2.0

@@ -377,6 +377,15 @@ def test_noise_averages_rounding_out_as_far_as_the_surest_surface_has_some():
     assert dict(survey_of(noisy, examined=examined).steps[1].rise_m.parts)["resolution"] > 0.0016
 
 
+def test_noise_blurs_the_rounding_of_a_face_but_not_the_end_of_a_tread():
+    examined = Examination((), np.array([0.002, 0.0, 0.0]))
+    noisy = [replace(s, plane=level_plane(s.plane.z0_m, sigma_m=0.004)) for s in even()]
+    assert dict(survey_of(noisy, examined=examined).steps[1].going_m.parts).get("resolution", 0.0) < 1e-5
+    by_treads = [replace(s, front=line(0.0, source="tread")) for s in noisy]
+    part = dict(survey_of(by_treads, examined=examined).steps[1].going_m.parts)["resolution"]
+    assert part == pytest.approx(2.0 * math.sqrt(2.0) * 0.002 / math.sqrt(12.0), rel=0.01)
+
+
 def test_layers_are_in_every_rise_and_slope():
     one = 2.0 * 0.012 / math.sqrt(12.0)
     of_scan = survey_of(even(), examined=Examination((), np.zeros(3), 0.012)).steps
