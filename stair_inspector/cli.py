@@ -722,7 +722,8 @@ def _survey_rows(inspection: "Inspection") -> list[str]:
         risers = f"{flight.n_risers} riser{'' if flight.n_risers == 1 else 's'}"
         radius = flight.radius_m
         shape = flight.shape if radius is None else f"{flight.shape}, radius {radius.value:.2f} ± {radius.u:.2f} m"
-        lines.append(f"  flight {flight.flight_id}: {shape}, {risers}")
+        goes_on = "" if flight.goes_on is None else f"; goes on: {flight.goes_on}"
+        lines.append(f"  flight {flight.flight_id}: {shape}, {risers}{goes_on}")
         for step in inspection.steps:
             if step.flight != flight.flight_id:
                 continue

@@ -8,6 +8,7 @@ from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
+from stair_inspector.stages.beyond import note_what_goes_on
 from stair_inspector.stages.causes import with_cause
 from stair_inspector.stages.dither import spread_steps
 from stair_inspector.stages.examine import examine
@@ -90,7 +91,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     how_sure = (params.survey, params.uncertainty, params.display)
     of_scan = (patches, chains, shapes, steps, up, forced, *how_sure, examined)
     survey = memo.run("survey", measure_survey, horizontal, *of_scan)
-    survey = take_out_impossible(survey, params.flights)
+    survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey), params.flights)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
     if not concluded.steps:
         tried = memo.run("suggested", try_suggested, heights, is_sparse, params, forced)

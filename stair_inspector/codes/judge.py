@@ -44,6 +44,7 @@ _TELLING_NOTES = (
     "chain_ambiguous",
     "overrule_unmet",
     "no_staircase",
+    "goes_on",
 )
 """Codes of the notes on the whole scan that a reader of a check must know."""
 _CAVEATS = {
@@ -317,6 +318,8 @@ class _Judge:
         steps = self._steps_of(flight)
         if rule.quantity == "rise" and not _has_upper_end(steps):
             reasons.append(_above(steps[-1]))
+        if flight.goes_on:
+            reasons.append(f"the flight goes on: {flight.goes_on}")
         return "; ".join(reasons)
 
     def _of_flight(self, rule: Rule, flight: Flight) -> _Place:
@@ -335,6 +338,8 @@ class _Judge:
             open_ends.append(self._why_not(steps[0], flight, "rise"))
         if not _has_upper_end(steps):
             open_ends.append(_above(steps[-1]))
+        if flight.goes_on:
+            open_ends.append(f"the flight goes on: {flight.goes_on}")
         if rule.quantity == "n_risers":
             count = Measured(float(flight.n_risers), 0.0)
             return _Place(flight.flight_id, (), count, "; ".join(open_ends), is_partial=bool(open_ends))

@@ -298,6 +298,11 @@ def limitation_sentences(inspection: Inspection, check: Check | None) -> tuple[s
             "measured, and no limit of a code applies to its values."
         )
     sentences += _doubtful_sentences(inspection)
+    sentences += [
+        f"Flight {flight.flight_id} goes on: {flight.goes_on}. Nothing is reported of those."
+        for flight in inspection.flights
+        if flight.goes_on is not None
+    ]
     curved = [flight for flight in inspection.flights if flight.shape == "curved"]
     if curved:
         sentences.append(
@@ -349,7 +354,12 @@ def _stair_words(inspection: Inspection) -> str:
     if not n_flights:
         return f"{steps} found."
     risers = sum(flight.n_risers for flight in inspection.flights)
+    beyond = "".join(
+        f" Flight {flight.flight_id} goes on: {flight.goes_on}."
+        for flight in inspection.flights
+        if flight.goes_on is not None
+    )
     return (
         f"{n_flights} flight{'' if n_flights == 1 else 's'} with {risers} riser{'' if risers == 1 else 's'} found"
-        f"{'' if inspection.is_withheld else ' and measured'}."
+        f"{'' if inspection.is_withheld else ' and measured'}.{beyond}"
     )

@@ -216,7 +216,8 @@ def _fit_centre(shapes: Sequence[StepShape], arc: Arc) -> tuple[Arc, dict[str, f
     centre, radius_m = arc.centre_m, arc.radius_m
     distances = np.hypot(*(corners - centre).T)
     # Two coordinates of the centre, the distance of the nosings' lines from it, the radii of the left and right side.
-    numbers = np.array([*centre, 0.0, np.median(distances[:m]), np.median(distances[m:])])
+    overhang_m = np.median(np.einsum("ij,ij->i", climbs, centre - places))
+    numbers = np.array([*centre, overhang_m, np.median(distances[:m]), np.median(distances[m:])])
     covariance = np.zeros((5, 5))
     for _ in range(_CENTRE_ROUNDS):
         out = corners - numbers[:2]

@@ -164,6 +164,8 @@ def flight_text(flight: Flight) -> str:
     parts.append(f"{flight.n_risers} riser{'' if flight.n_risers == 1 else 's'}")
     if flight.pitch_deg is not None:
         parts.append(f"pitch {flight.pitch_deg.value:.1f}° ± {u_text(flight.pitch_deg.u)}")
+    if flight.goes_on is not None:
+        parts.append(f"goes on: {flight.goes_on}")
     return " · ".join(parts)
 
 

@@ -265,6 +265,18 @@ def test_of_a_curved_flight_the_rises_and_how_even_the_goings_are_is_judged_but_
     assert spread.reason == "measured on the middle line of a flight that curves"
 
 
+def test_a_flight_that_goes_on_is_not_within_by_what_was_measured_of_it():
+    goes_on = "6 risers measured; about 4 more are seen below: their treads are hidden from the scanner"
+    flights = [dataclasses.replace(flight_of(even()), goes_on=goes_on)]
+    for quantity in ("rise", "going"):
+        limit = rule("spread", quantity=quantity, statistic="flight_range", minimum=None, maximum=Limit.of("9", "mm"))
+        steps = changed(even(), 6, going_m=None)
+        assert judged(inspection_of(steps), limit).findings[0].verdict is Verdict.WITHIN
+        (found,) = judged(inspection_of(steps, flights), limit).findings
+        assert found.verdict is Verdict.NOT_MEASURED
+        assert goes_on in found.reason
+
+
 def test_a_first_riser_that_was_not_seen_is_named_and_leaves_the_spread_open():
     steps = changed(even(), 1, rise_m=None)
     note = ("rise_unobserved", "step 1 has no rise: no floor or landing was seen a riser below it", 1)

@@ -655,6 +655,14 @@ def test_a_winding_flight_is_reported_and_not_judged():
     assert {row[-1].words for row in table_of(made, "rules").rows} <= {"not judged", "not assessed"}
 
 
+def test_the_report_says_that_a_flight_goes_on():
+    steps = even(5)
+    goes_on = "5 risers measured; about 6 more are seen above: their treads are hidden from the scanner"
+    inspection = inspection_of(steps, [dataclasses.replace(flight_of(steps), goes_on=goes_on)])
+    made = plain_document(inspection, check(inspection, find_rule_set("us-ibc-2021")))
+    assert f"Flight 1 goes on: {goes_on}." in text_of(made)
+
+
 def test_of_a_curved_flight_the_report_says_on_which_line_it_was_measured():
     steps = even(5)
     curved = inspection_of(steps, [flight_of(steps, shape="curved")])

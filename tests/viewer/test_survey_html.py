@@ -171,9 +171,11 @@ def test_a_flight_of_which_little_is_known_has_a_headline_all_the_same(inspectio
     assert "Flight 1 · 1 riser" in Page(survey_table(dataclasses.replace(inspection, flights=(bare,)))).words
 
 
-def test_a_curved_flight_names_its_radius(inspection):
+def test_a_headline_names_the_radius_of_a_curve_and_what_is_seen_beyond(inspection):
     (flight,) = inspection.flights
     curved = dataclasses.replace(flight, pitch_deg=None, shape="curved", radius_m=Measured(4.003, 0.02))
+    going_on = dataclasses.replace(flight, pitch_deg=None, goes_on="5 risers measured; about 3 more are seen above: x")
+    assert flight_text(going_on).endswith("5 risers · goes on: 5 risers measured; about 3 more are seen above: x")
     assert flight_text(curved) == "Flight 1 · curved · radius 4.00 m ± 0.02 · 5 risers"
 
 

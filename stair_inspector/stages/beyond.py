@@ -1,0 +1,223 @@
+"""Does a flight go on where its measured steps end? Rows of risers and treads at its rhythm, seen but not measured."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from stair_inspector import priors
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.model import Arc, Chains, Flight, HeightOrder, Note, StepShape
+from stair_inspector.stages.links import angle_deg
+from stair_inspector.stages.survey import Survey, find_climbs
+
+_MOST_ROWS = 60
+_FEWEST_ROWS = 2
+"""One row more may be a kerb, a box or a skirting board; two at the rhythm of a flight are the flight."""
+_FEWEST_GOINGS = 1
+_UPRIGHT, _LEVEL = 0.5, 0.9
+"""|normal . up| up to which a point is one of an upright face, and from which one of a level surface."""
+_INSET = 0.1
+"""Share of the width left out at either side, where walls and stringers stand."""
+_REACH_GOINGS = 0.3
+"""How far from where the rhythm says a face is looked for, in goings."""
+_FACE_M = 0.02
+_FEWEST_POINTS, _LEAST_ACROSS = 12, 0.4
+"""Points of a row, and the share of the width along which they lie."""
+_AT_ONE_PLACE = 0.5
+"""Share of the upright points of a row that lie in its face."""
+_GOES_ON_UP = 0.35
+"""A face above which as large a share of its points follows at the same place is a wall."""
+_LEVEL_RISES = 0.2
+"""How far from where the rhythm says a tread may lie, in rises."""
+_ENOUGH_TREAD = 0.5
+
+_Way = Literal["above", "below"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Rhythm:
+    """How a flight's steps follow each other from one of its ends: plan of the level frame, metres.
+
+    ``start`` (2,) is the middle of the nosing there, ``climb`` (2,) the direction of climb, ``height_m`` the height.
+    ``arc`` is that of a flight that curves.
+    """
+
+    start: Floats
+    climb: Floats
+    height_m: float
+    rise_m: float
+    going_m: float
+    half_width_m: float
+    arc: Arc | None = None
+
+    def frame_at(self, ahead_m: float) -> tuple[Floats, Floats]:
+        """Return the place so far ahead on the middle line, negative below the start, and the climb there."""
+        if self.arc is None:
+            return self.start + ahead_m * self.climb, self.climb
+        turn = self.arc.sense * ahead_m / self.arc.radius_m
+        rotation = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+        return self.arc.centre_m + rotation @ (self.start - self.arc.centre_m), rotation @ self.climb
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """What is seen of one step beyond: whether its riser's face is, and its tread."""
+
+    has_face: bool
+    has_tread: bool
+
+
+def note_what_goes_on(
+    heights: HeightOrder, chains: Chains, shapes: tuple[tuple[StepShape, ...], ...], survey: Survey
+) -> Survey:
+    """Say of every flight what is seen of it beyond its measured steps.
+
+    Parameters
+    ----------
+    heights : HeightOrder
+        All points, with their normals' alignment.
+    chains, shapes, survey
+        Of the same scan.
+
+    Returns
+    -------
+    Survey
+        ``Flight.goes_on`` and a note where at least two more rows of risers or treads follow at the flight's rise and
+        going. A flight that ends at a landing has ended; a wall has no rows.
+    """
+    flights: list[Flight] = []
+    notes: list[Note] = []
+    for chain, own, flight in zip(chains.chains, shapes, survey.flights, strict=True):
+        kinds = [step.kind for step in survey.steps if step.step_id in flight.step_ids]
+        found: list[str] = []
+        if flight.rise is not None and flight.going is not None and flight.going.n >= _FEWEST_GOINGS:
+            climbs = find_climbs(chain, own)
+            size = flight.rise.mean, flight.going.mean
+            others = [shape for each in shapes if each is not own for shape in each]
+            if kinds[-1] == "tread":
+                rhythm = _rhythm_of(own[-1], climbs[-1], size)
+                found += _sentence(_rows(heights, rhythm, others, "above"), "above")
+            if chain.base is None:
+                rhythm = _rhythm_of(own[0], climbs[0], size)
+                found += _sentence(_rows(heights, rhythm, others, "below"), "below")
+        if not found:
+            flights.append(flight)
+            continue
+        risers = f"{flight.n_risers} riser{'' if flight.n_risers == 1 else 's'} measured"
+        goes_on = "; ".join((risers, *found))
+        flights.append(replace(flight, goes_on=goes_on))
+        notes.append(Note("goes_on", "survey", f"flight {flight.flight_id} goes on: {goes_on}"))
+    return replace(survey, flights=tuple(flights), notes=(*survey.notes, *notes)) if notes else survey
+
+
+def _rhythm_of(shape: StepShape, climb: Floats, size: tuple[float, float]) -> _Rhythm:
+    low, high = shape.line_range
+    w = (low + high) / 2.0
+    s = shape.front.at(w)
+    return _Rhythm(shape.to_plan(s, w), climb, shape.plane.at(s, w), *size, (high - low) / 2.0, shape.arc)
+
+
+def _sentence(rows: Sequence[_Row], way: _Way) -> list[str]:
+    if len(rows) < _FEWEST_ROWS:
+        return []
+    n = len(rows)
+    n_treads = sum(row.has_tread for row in rows)
+    why = (
+        "too little of their treads is seen"
+        if n_treads >= _ENOUGH_TREAD * n
+        else "their treads are hidden from the scanner"
+    )
+    return [f"about {n} more are seen {way}: {why}"]
+
+
+def _rows(heights: HeightOrder, rhythm: _Rhythm, others: Sequence[StepShape], way: _Way) -> list[_Row]:
+    """Return the rows that follow each other without a gap of more than one, the last one that is seen at the end."""
+    rows: list[_Row] = []
+    ahead_m, n_seen = 0.0, 0
+    for k in range(1, _MOST_ROWS + 1):
+        ahead_m += rhythm.going_m if way == "above" or k > 1 else 0.0
+        if _is_another_flight(rhythm, others, ahead_m if way == "above" else -ahead_m, k):
+            return []
+        row, place_m = _row(heights, rhythm, ahead_m, k, way)
+        if row is None and len(rows) > n_seen:
+            break
+        rows.append(row or _Row(False, False))
+        if row is not None:
+            n_seen = len(rows)
+            ahead_m = place_m
+    return rows[:n_seen] if sum(row.has_face or row.has_tread for row in rows[:n_seen]) >= _FEWEST_ROWS else []
+
+
+def _row(heights: HeightOrder, rhythm: _Rhythm, ahead_m: float, k: int, way: _Way) -> tuple[_Row | None, float]:
+    """Return what is seen of the k-th row whose face is expected so far ahead, and where the face is."""
+    sign = 1.0 if way == "above" else -1.0
+    rise_m, going_m = rhythm.rise_m, rhythm.going_m
+    # Above, the face is that of the riser to the tread; below, that of the riser over it.
+    low = rhythm.height_m + ((k - 1) * rise_m if way == "above" else -k * rise_m)
+    high = low + rise_m
+    tread_m = high if way == "above" else low
+    z = heights.coordinates_m[2]
+    start, stop = np.searchsorted(z, [low - _LEVEL_RISES * rise_m, high + rise_m])
+    x, y, z = heights.coordinates_m[:, start:stop]
+    alignment = heights.alignment[start:stop]
+    place, climb = rhythm.frame_at(sign * ahead_m)
+    x, y = x - place[0], y - place[1]
+    s = sign * (climb[0] * x + climb[1] * y) + ahead_m
+    w = climb[0] * y - climb[1] * x
+    reach_m = _REACH_GOINGS * going_m
+    half_m = rhythm.half_width_m * (1.0 - 2.0 * _INSET)
+    near = (np.abs(w) <= half_m) & (s >= ahead_m - reach_m) & (s <= ahead_m + going_m)
+    s, w, z, alignment = s[near], w[near], z[near], alignment[near]
+    is_face = (alignment <= _UPRIGHT) & (s <= ahead_m + reach_m)
+    within = is_face & (z >= low + 0.1 * rise_m) & (z <= high - 0.05 * rise_m)
+    place_m = ahead_m
+    has_face = False
+    if np.count_nonzero(within) >= _FEWEST_POINTS:
+        place_m = _mode(s[within])
+        at_face = np.abs(s - place_m) <= _FACE_M
+        n_face = np.count_nonzero(within & at_face)
+        is_above = is_face & at_face & (z >= high + 0.25 * rise_m) & (z <= high + 0.9 * rise_m)
+        has_face = bool(
+            n_face >= max(_FEWEST_POINTS, _AT_ONE_PLACE * np.count_nonzero(within))
+            and _is_across(w[within & at_face], half_m)
+            and np.count_nonzero(is_above) <= _GOES_ON_UP * n_face
+        )
+    is_tread = (alignment >= _LEVEL) & (np.abs(z - tread_m) <= _LEVEL_RISES * rise_m)
+    is_tread &= (s >= ahead_m + 0.1 * going_m) & (s <= ahead_m + 0.9 * going_m)
+    has_tread = np.count_nonzero(is_tread) >= _FEWEST_POINTS and _is_across(w[is_tread], half_m)
+    if not has_face and not has_tread:
+        return None, ahead_m
+    return _Row(has_face, bool(has_tread)), place_m if has_face else ahead_m
+
+
+def _mode(values: Floats) -> float:
+    """Return the middle of the densest stretch of two face widths."""
+    ordered = np.sort(values)
+    ends = np.searchsorted(ordered, ordered + 2.0 * _FACE_M, side="right")
+    best = int(np.argmax(ends - np.arange(len(ordered))))
+    return float(np.median(ordered[best : ends[best]]))
+
+
+def _is_across(w: Floats, half_m: float) -> bool:
+    if len(w) < _FEWEST_POINTS:
+        return False
+    low, high = np.percentile(w, [5.0, 95.0])
+    return bool(high - low >= 2.0 * _LEAST_ACROSS * half_m)
+
+
+def _is_another_flight(rhythm: _Rhythm, others: Sequence[StepShape], ahead_m: float, k: int) -> bool:
+    """Return whether a step of another flight, which climbs the same way, lies where a row is expected."""
+    place, climb = rhythm.frame_at(ahead_m)
+    for other in others:
+        if angle_deg(other.climb, climb) > priors.STRAIGHT_ON_DEG:
+            continue
+        shift = other.to_plan(other.front.middle_m, 0.0) - place
+        along, aside = float(shift @ climb), float(shift[1] * climb[0] - shift[0] * climb[1])
+        if abs(along) <= rhythm.going_m and abs(aside) <= rhythm.half_width_m:
+            rise_m = abs(other.plane.z0_m - rhythm.height_m)
+            if abs(rise_m - k * rhythm.rise_m) <= 1.5 * rhythm.rise_m:
+                return True
+    return False

@@ -1,0 +1,90 @@
+"""What is seen of a flight beyond its measured steps: rows of risers at its rhythm, and nothing where it has ended."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stair_inspector.pipeline import inspect
+from tests.curves import Curve
+from tests.synthetic import Stair, exact_params, make_scan
+
+PARAMS = exact_params()
+STAIR = Stair(n_steps=10, spacing=0.012, risers=True, noise=0.001)
+
+
+def seen_from_the_foot(stair, n_treads, n_risers=None):
+    """The stair without the treads above the first few, and without the risers above some."""
+    points, normals = stair.sample()
+    parts = [len(points) for points, _ in stair.parts()]
+    kind = np.repeat(np.arange(len(parts)), parts)
+    # Part 0 is the floor, then the treads, then the risers.
+    n = stair.n_steps
+    is_seen = (kind <= n_treads) | ((kind > n) & (kind <= n + (n if n_risers is None else n_risers)))
+    return points[is_seen], normals[is_seen]
+
+
+def found(points, normals, params=PARAMS):
+    inspection = inspect(make_scan(points, normals), params)
+    (flight,) = inspection.flights
+    return flight, [note.message for note in inspection.notes if note.code == "goes_on"], inspection
+
+
+@pytest.mark.parametrize("n_risers", [10, 6])
+def test_risers_whose_treads_are_hidden_are_counted(n_risers):
+    flight, notes, _ = found(*seen_from_the_foot(STAIR, 4, n_risers))
+    assert flight.n_risers == 4
+    wanted = f"4 risers measured; about {n_risers - 4} more are seen above: their treads are hidden from the scanner"
+    assert flight.goes_on == wanted
+    assert notes == [f"flight 1 goes on: {wanted}"]
+
+
+def test_a_rhythm_that_is_a_little_off_leads_all_the_way_up():
+    # The goings above are 3 mm longer: over ten of them the faces drift by a tenth of a going.
+    points, normals = seen_from_the_foot(replace(STAIR, n_steps=14), 4)
+    points[:, 0] += np.maximum(0.0, points[:, 0] - 4 * STAIR.going) * 0.003 / STAIR.going
+    assert "about 10 more" in found(points, normals)[0].goes_on
+
+
+def test_rows_of_which_one_is_hidden_are_counted_to_the_last():
+    points, normals = seen_from_the_foot(STAIR, 4)
+    is_sixth = np.abs(points[:, 0] - 6 * STAIR.going) < 0.02
+    assert "about 6 more" in found(points[~is_sixth], normals[~is_sixth])[0].goes_on
+
+
+def test_a_single_riser_is_no_claim():
+    assert found(*seen_from_the_foot(STAIR, 4, 5))[0].goes_on is None
+
+
+def test_a_wall_behind_the_last_tread_is_no_row():
+    points, normals = seen_from_the_foot(STAIR, 4, 4)
+    rng = np.random.default_rng(3)
+    wall = np.column_stack([np.full(9000, 4 * STAIR.going), rng.uniform(0, 1, 9000), rng.uniform(0.68, 3.0, 9000)])
+    flight, notes, _ = found(
+        np.concatenate([points, wall]), np.concatenate([normals, np.tile([-1.0, 0, 0], (9000, 1))])
+    )
+    assert (flight.goes_on, notes) == (None, [])
+
+
+def test_a_sound_flight_has_ended():
+    for stair in (STAIR, replace(STAIR, n_steps=4, going=0.25)):
+        flight, notes, _ = found(*stair.sample())
+        assert (flight.n_risers, flight.goes_on, notes) == (stair.n_steps, None, [])
+
+
+def test_treads_that_are_seen_too_little_are_told_from_hidden_ones():
+    points, normals = STAIR.sample()
+    # Of every tread above the fourth a thin part is left: fewer points than make a level.
+    is_high = (points[:, 2] > 4.5 * STAIR.rise) & (normals[:, 2] > 0.5)
+    is_left = ~is_high | (np.random.default_rng(2).uniform(size=len(points)) < 0.015)
+    flight, _, _ = found(points[is_left], normals[is_left])
+    assert flight.goes_on == "4 risers measured; about 6 more are seen above: too little of their treads is seen"
+
+
+def test_a_curved_flight_goes_on_along_its_arc():
+    curve = Curve(radius=5.0, n_risers=10, noise=0.001)
+    scan = curve.scan()
+    is_hidden = (scan.normals[:, 2] > 0.5) & (scan.points[:, 2] > 5.5 * curve.rise)
+    flight, _, _ = found(scan.points[~is_hidden], scan.normals[~is_hidden])
+    assert (flight.shape, flight.n_risers) == ("curved", 5)
+    assert "about 5 more are seen above" in flight.goes_on
