@@ -39,7 +39,7 @@ _ABOVE_FOOT_M, _SLAB_M, _NOSING_BAND_M = 0.015, 0.05, 0.028
 _RISER_BEFORE_M, _RISER_BEHIND_M, _DEEPEST_OVERHANG_M = 0.08, 0.14, 0.06
 _INSET_SHARE = 0.05
 _WINDOW_M, _LEAST_PURITY, _FEWEST_ON_FACE, _FEWEST_OWN = 0.009, 0.35, 10, 6
-_APART_M, _APART_SPACINGS = 0.04, 1.5
+_APART_M, _APART_SPACINGS, _APART_SIGMAS = 0.04, 1.5, 2.0
 _COARSE_STEP_M = 0.004
 _PER_GROUP, _MOST_GROUPS, _LEAST_SCATTER_M = 5, 12, 0.0005
 
@@ -149,7 +149,8 @@ def _with_fronts_by_risers(heights: HeightOrder, shapes: Sequence[StepShape]) ->
             front = replace(face, middle_m=face.middle_m - over_m, noise_m=noise_m)
             apart_m = shape.front.at(front.along_m) - front.middle_m
             # A face that lies farther from the tread's end is not the one below it.
-            if abs(apart_m) <= max(_APART_M, _APART_SPACINGS * shape.plane.spacing_m):
+            far_m = max(_APART_M, _APART_SPACINGS * shape.plane.spacing_m, _APART_SIGMAS * shape.front.noise_m)
+            if abs(apart_m) <= far_m:
                 shape = _at_its_plane(replace(shape, front=front))
         after = risers[k + 1] if k + 1 < len(risers) else None
         if after is not None and (shape.back is None or shape.back.source != "face"):
