@@ -201,3 +201,12 @@ def test_a_wider_limit_of_the_rise_reaches_the_treads_that_give_the_vertical():
     up = refine_up(scan, found, floor, FlightsParams(max_rise_m=0.5).at_least_usual)
     assert up.source == "treads"
     assert degrees_between(up.vector, LEVEL) == pytest.approx(0.0, abs=0.1)
+
+
+def test_a_large_scan_that_repeats_points_is_thinned_too():
+    points = np.random.default_rng(1).uniform(-1.0, 1.0, (150_001, 3))
+    scan = replace(make_scan(points), repeats=np.full(len(points), 2))
+    normals = Normals(np.tile([0.0, 0.0, 1.0], (len(points), 1)))
+    up = Up(np.array([0.0, 0.0, 1.0]), "floor")
+    found = refine_up(scan, normals, up)
+    assert found.vector.tolist() == up.vector.tolist()
