@@ -25,7 +25,7 @@ from stair_inspector.viewer.tabs.scan import ScanActions, ScanTab
 from stair_inspector.viewer.tabs.steps import StepsActions, StepsTab
 from stair_inspector.viewer.tabs.tune import TuneActions, TuneTab
 
-WIDTH = 468
+WIDTH = 484
 """Of the panel, pixels."""
 _CLEAR_OF_THE_SCROLLBAR = (
     "<style>.mantine-ScrollArea-viewport:has([data-testid=scan])>*{box-sizing:border-box;padding-right:8px}</style>"
