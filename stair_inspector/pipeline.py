@@ -52,10 +52,10 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     normals = memo.run("normals", orient.find_normals, scan, params.normals, heavy=True)
     # A given up needs neither floor nor method, so a change of them must not run everything again.
     is_auto = params.up == "auto"
-    how = (params.floor, params.method) if is_auto else (FloorParams(), "survey")
+    limits = params.flights.at_least_usual
+    how = (params.floor, params.method, limits.max_rise_m) if is_auto else (FloorParams(), "survey")
     up = memo.run("up", orient.find_up, scan, normals, params.up, *how, heavy=is_auto)
-    if is_auto and params.method == "survey":
-        up = memo.run("plumb", refine_up, scan, normals, up, params.flights.at_least_usual)
+    up = memo.run("plumb", refine_up, scan, normals, up, limits) if is_auto and params.method == "survey" else up
     heights = memo.run("heights", orient.order_by_height, scan, normals, up, params.overrules.region)
     spaced = memo.run("sparse", find_sparse, heights) if params.method == "survey" else Sparse(heights, False)
     heights, is_sparse = spaced.heights, spaced.is_sparse
@@ -74,9 +74,8 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
         nearest = memo.run("nearest", treads.find_nearest, horizontal, levels, surfaces, params.display)
         steps = memo.run("paper", paper.measure_steps, scan, up, surfaces, axes, edges, nearest)
     profile = memo.run("profile", find.profile_heights, horizontal)
-    found = conclude(
-        scan, params, examined, up, axes, horizontal, levels, profile, surfaces, steps, dict(memo.timings_s)
-    )
+    of_paper = (axes, horizontal, levels, profile, surfaces, steps)
+    found = conclude(scan, params, examined, up, *of_paper, dict(memo.timings_s))
     if params.method == "paper":
         return found
     if fitted.observations:

@@ -13,6 +13,9 @@ COMMON_RISES_M = (0.12, 0.22)
 SHORTEST_GOING_M = 0.1
 """From nosing to nosing; alternating treads and ladders are none."""
 USUAL_RISE_M, USUAL_GOING_M = 0.17, 0.28
+COMMON_RISES_M = (0.1, 0.24)
+"""Rises that are built; a rise beyond by ``RISE_SPREAD_M`` is rare."""
+RISE_SPREAD_M = 0.06
 LONGEST_TREAD_M = 0.62
 """A step that is deeper is a landing: no code's going is longer."""
 STEEPEST_TREAD_DEG = 12.0
@@ -34,6 +37,8 @@ STEEPEST_PITCH_DEG = 60.0
 """Steeper is a ladder."""
 USUAL_STEEPEST_PITCH_DEG = 42.0
 """Pitch of the steepest stair whose treads are told from its risers by it: at 45 degrees both are equal."""
+USUAL_PITCH_DEG, PITCH_SPREAD_DEG = 32.0, 7.0
+"""Pitch of the stairs that are built, and how far they scatter about it."""
 MOST_UNEVEN = 1.6
 """Ratio of two rises that follow each other above which they do not belong to one flight."""
 MOST_UNEVEN_OF_TWO = 1.35

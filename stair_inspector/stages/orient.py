@@ -11,8 +11,17 @@ from stair_inspector.geometry.arrays import Bools, Floats, freeze, own, project,
 from stair_inspector.geometry.clusters import cluster_sorted, find_reach
 from stair_inspector.geometry.fits import PlaneFit, find_plane_ransac, fit_plane, spread_rank
 from stair_inspector.geometry.normals import estimate_normals
-from stair_inspector.model import HeightOrder, Normals, Note, Scan, Up
+from stair_inspector.model import HeightOrder, Normals, Note, Observation, Scan, Up
 from stair_inspector.params import FlightsParams, FloorParams, Method, NormalsParams, parse_region, parse_up
+from stair_inspector.stages.readings import (
+    Reading,
+    is_same_way,
+    is_view,
+    question_of,
+    read_rhythm,
+    side_of_sensor,
+    thin,
+)
 
 _MIN_POINTS = 50
 """Below this a scan has no surface to speak of."""
@@ -32,6 +41,9 @@ _CEILING_SHARE = 0.8
 _LEVELLED_DEG = 20.0
 _LEVELLED_BONUS = 2.0
 """Most scans are made with z up: a plane that leans less than this from level counts double."""
+_LEVELLED_SURPLUS, _SURE_STEPS = 2.0, 6
+"""So many times as many points face a levelled scan's z axis as another way: then only a flight of so many levels, or
+a rhythm, is believed against it."""
 _STEP_BONUS = 3.0
 """A level that is a step counts so many times: a flight says more than the scan's z axis, as many have y up."""
 
@@ -77,8 +89,26 @@ def find_normals(scan: Scan, params: NormalsParams) -> Normals:
     return Normals(freeze(estimate_normals(scan.points, params.k)))
 
 
-def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: Method) -> Up:
+def find_up(
+    scan: Scan,
+    normals: Normals,
+    up: str,
+    params: FloorParams,
+    method: Method,
+    max_rise_m: float = priors.MOST_RISE_M,
+) -> Up:
     """Return the up vector: given by the user, or the normal of the RANSAC floor plane (step 1 of the paper).
+
+    Parameters
+    ----------
+    scan, normals
+        Of one scan.
+    up : str
+        As the setting has it.
+    params, method
+        As the settings have them.
+    max_rise_m : float
+        Rises that are looked for, where the user has widened them.
 
     Notes
     -----
@@ -87,8 +117,11 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: 
     most points and most separate levels; levels that follow each other as the steps of a flight count three times, and
     a plane that is level in the scan's own frame counts double.
 
-    A plane has no upper side: where its normal is within 45 degrees of the scan's z axis, up is on the side of +z;
-    elsewhere it is the side on which most of the scan lies.
+    Where treads and riser faces come again in one rhythm, the stair that comes out decides, or the user is asked: see
+    :mod:`stair_inspector.stages.readings`. The floor is then the plane square to the direction that was decided.
+
+    A plane has no upper side: without a rhythm, where its normal is within 45 degrees of the scan's z axis, up is on
+    the side of +z; elsewhere it is the side on which most of the scan lies.
 
     Raises
     ------
@@ -109,11 +142,30 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: 
         raise CannotMeasure(
             f"{scan.name}: no floor found ({error}); give the up direction, for example --up z"
         ) from error
-    support = [_find_support(scan.points[few], normals.vectors[few], plane) for plane in candidates]
+    support = [_find_support(scan.points[few], normals.vectors[few], plane, max_rise_m) for plane in candidates]
     chosen = _choose_floor(candidates, support)
-    if method != "paper":
-        candidates = [_fitted_to_all(scan.points, plane, params.distance_m) for plane in candidates[: chosen + 1]]
     vector, notes = _turn_upwards(scan.points, candidates[chosen], params.distance_m)
+    if method == "paper":
+        return Up(own(vector, (3,), "up"), "floor", notes=notes)
+    thinned = thin(scan.points, normals.vectors)
+    is_camera = is_view(scan, thinned.points)
+    readings = read_rhythm(thinned, max_rise_m, vector, is_camera=is_camera)
+    if readings and _is_believed(readings[0], candidates[chosen], support[chosen]):
+        decided = readings[0].up
+        square = [k for k, plane in enumerate(candidates) if is_same_way(_normal(plane), decided)]
+        if not square:
+            return Up(decided, "treads", observations=_asked(readings))
+        chosen = chosen if chosen in square else square[0]
+        side: Floats | None = decided
+    else:
+        readings = []
+        chosen = _levelled_instead(candidates, support, chosen)
+        side = _normal(candidates[chosen]) if is_camera else None
+        if side is not None:
+            faces = np.abs(thinned.normals @ side) >= math.cos(math.radians(_LEVEL_TOLERANCE_DEG))
+            side = side if side_of_sensor(thinned.points[faces], side) >= 0.0 else -side
+    candidates = [_fitted_to_all(scan.points, plane, params.distance_m) for plane in candidates[: chosen + 1]]
+    vector, notes = _turn_upwards(scan.points, candidates[chosen], params.distance_m, side)
     if chosen > 0:
         message = (
             f"the floor is not the largest plane: a plane with {candidates[0].n_points:,} points has "
@@ -122,7 +174,20 @@ def find_up(scan: Scan, normals: Normals, up: str, params: FloorParams, method: 
             f"{support[chosen].n_steps} steps"
         )
         notes = (Note("floor_not_largest", "orient", message), *notes)
-    return Up(own(vector, (3,), "up"), "floor", notes=notes)
+    return Up(own(vector, (3,), "up"), "floor", notes=notes, observations=_asked(readings))
+
+
+def _asked(readings: list[Reading]) -> tuple[Observation, ...]:
+    question = question_of(readings)
+    return () if question is None else (question,)
+
+
+def _is_believed(reading: Reading, floor: PlaneFit, support: _Support) -> bool:
+    """Return whether a rhythm decides: not one that lies flat in a levelled scan with a flight of its own."""
+    is_levelled = _is_levelled(floor)
+    axes = (reading.lattice.up, reading.lattice.ahead)
+    is_flat = not any(is_same_way(_normal(floor), axis) for axis in axes)
+    return not (is_levelled and is_flat and support.n_steps > 0)
 
 
 def order_by_height(scan: Scan, normals: Normals, up: Up, region: str = "") -> HeightOrder:
@@ -232,7 +297,7 @@ def _fitted_to_all(points: Floats, plane: PlaneFit, distance_m: float) -> PlaneF
     return plane if fitted.normal is None else fitted
 
 
-def _find_support(points: Floats, normals: Floats, plane: PlaneFit) -> _Support:
+def _find_support(points: Floats, normals: Floats, plane: PlaneFit, max_rise_m: float) -> _Support:
     """Count the separate levels of surface parallel to a plane, large or a step, and the points that face its way."""
     normal = _normal(plane)
     rows = points[np.abs(normals @ normal) >= math.cos(math.radians(_LEVEL_TOLERANCE_DEG))]
@@ -253,12 +318,12 @@ def _find_support(points: Floats, normals: Floats, plane: PlaneFit) -> _Support:
             middles.append(rows[start:stop].mean(axis=0))
             is_rest[start:stop] = False
         heights, rows = heights[is_rest], rows[is_rest]
-    is_step = _find_steps(np.array(middles).reshape(-1, 3), normal)
+    is_step = _find_steps(np.array(middles).reshape(-1, 3), normal, max_rise_m)
     n_levels = n_large + int(np.count_nonzero(is_step[n_large:]))
     return _Support(n_levels, int(np.count_nonzero(is_step)), len(order))
 
 
-def _find_steps(middles: Floats, normal: Floats) -> Bools:
+def _find_steps(middles: Floats, normal: Floats, max_rise_m: float) -> Bools:
     """Return which levels, given by their middles (n, 3), follow each other as steps do.
 
     From one to the next a flight goes on in about the same direction, and farther along than up: of a stair lying on
@@ -270,7 +335,7 @@ def _find_steps(middles: Floats, normal: Floats) -> Bools:
     rises = np.diff(heights[order])
     goings = np.diff(middles[order], axis=0) - rises[:, None] * normal
     lengths = np.linalg.norm(goings, axis=1)
-    is_rise = (rises >= limits.min_rise_m) & (rises <= limits.max_rise_m)
+    is_rise = (rises >= limits.min_rise_m) & (rises <= max_rise_m)
     is_straight = np.einsum("ij,ij->i", goings[:-1], goings[1:]) >= (
         math.cos(math.radians(limits.turn_deg)) * lengths[:-1] * lengths[1:]
     )
@@ -284,6 +349,19 @@ def _find_steps(middles: Floats, normal: Floats) -> Bools:
     return is_step
 
 
+def _levelled_instead(candidates: list[PlaneFit], support: list[_Support], chosen: int) -> int:
+    """Return the floor of a levelled scan where what was chosen instead of it is no certain flight."""
+    most = _LEVELLED_SURPLUS * support[chosen].n_points
+    if _is_levelled(candidates[chosen]) or support[chosen].n_steps >= _SURE_STEPS:
+        return chosen
+    level = (k for k, plane in enumerate(candidates) if _is_levelled(plane) and support[k].n_points >= most)
+    return next(level, chosen)
+
+
+def _is_levelled(plane: PlaneFit) -> bool:
+    return abs(float(_normal(plane)[2])) >= math.cos(math.radians(_LEVELLED_DEG))
+
+
 def _choose_floor(candidates: list[PlaneFit], support: list[_Support]) -> int:
     """Return the index of the floor among planes, given what speaks for each.
 
@@ -291,11 +369,10 @@ def _choose_floor(candidates: list[PlaneFit], support: list[_Support]) -> int:
     product decides, the points by their root, because the wall of a stairwell may have ten times the points of its
     treads. That settles the direction; of the planes that face that way the largest gives it most exactly.
     """
-    cosine = math.cos(math.radians(_LEVELLED_DEG))
     scores = [
         (found.n_levels + (_STEP_BONUS - 1.0) * found.n_steps)
         * math.sqrt(found.n_points)
-        * (_LEVELLED_BONUS if abs(_normal(plane)[2]) >= cosine else 1.0)
+        * (_LEVELLED_BONUS if _is_levelled(plane) else 1.0)
         for plane, found in zip(candidates, support, strict=True)
     ]
     best = _normal(candidates[int(np.argmax(scores))])
@@ -303,21 +380,28 @@ def _choose_floor(candidates: list[PlaneFit], support: list[_Support]) -> int:
     return next(k for k, plane in enumerate(candidates) if abs(float(_normal(plane) @ best)) >= same_way)
 
 
-def _turn_upwards(points: Floats, plane: PlaneFit, distance_m: float) -> tuple[Floats, tuple[Note, ...]]:
-    """Choose the side of a plane that is up."""
+def _turn_upwards(
+    points: Floats, plane: PlaneFit, distance_m: float, side: Floats | None = None
+) -> tuple[Floats, tuple[Note, ...]]:
+    """Choose the side of a plane that is up; ``side`` is a direction on that side where it is known."""
     normal = _normal(plane)
     offset = (points - plane.centroid) @ normal
     n_above, n_below = np.count_nonzero(offset > distance_m), np.count_nonzero(offset < -distance_m)
     if abs(normal[2]) < math.cos(math.radians(_LEANING_DEG)):
-        up = normal if n_above >= n_below else -normal
+        is_normal = n_above >= n_below if side is None else float(normal @ side) >= 0.0
+        up = normal if is_normal else -normal
+        why = "the side on which most points lie" if side is None else "as the stair and its surroundings say"
         message = (
             "the floor found is not square to the scan's z axis; up is taken as "
-            f"({up[0]:.3f}, {up[1]:.3f}, {up[2]:.3f}), the side on which most points lie; give --up if that is wrong"
+            f"({up[0]:.3f}, {up[1]:.3f}, {up[2]:.3f}), {why}; give --up if that is wrong"
         )
         return up, (Note("up_not_z", "orient", message),)
     up = normal
-    if normal[2] < 0.0:
+    if (normal[2] if side is None else float(normal @ side)) < 0.0:
         up, n_above, n_below = -normal, n_below, n_above
+    if up[2] < 0.0:
+        message = "up is taken as the scan's -z, because the stair and what is around it say so; give --up if it is not"
+        return up, (Note("up_not_z", "orient", message),)
     if n_below > _CEILING_SHARE * (n_above + n_below):
         message = (
             f"{n_below:,} points lie below the plane from which up was taken and {n_above:,} above: it is a ceiling or "

@@ -110,7 +110,7 @@ def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None
     if not takes_treads:
         return replace(floor_up, notes=(*up.notes, note))
     # What was said about the floor's plane concerns the direction no longer.
-    return Up(own(vector, (3,), "up"), "treads", 2.0 * treads.tread_noise_deg, (*up.notes, note))
+    return Up(own(vector, (3,), "up"), "treads", 2.0 * treads.tread_noise_deg, (*up.notes, note), up.observations)
 
 
 def _thinned(scan: Scan, normals: Normals) -> tuple[Scan, Normals]:

@@ -1,0 +1,286 @@
+"""Which way is up, if this is a staircase? The readings of its rhythm, and what speaks for each.
+
+The faces of a stair are a stair again when it is turned upside down or laid on its back; so each rhythm is read in four
+ways, and what staircases, files and cameras are like decides between them, or the user is asked.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from stair_inspector import priors
+from stair_inspector.geometry.arrays import Bools, Floats, Ints, project
+from stair_inspector.geometry.lattice import Lattice, find_lattices
+from stair_inspector.model import Observation, Scan
+from stair_inspector.params import NAMED_UP
+
+_VOXEL_M = 0.02
+_MOST_POINTS = 30_000
+_LONGEST_PERIOD_M = 0.5
+_SAME_DEG = 15.0
+"""Directions that differ by less are one direction, found with more or less care."""
+
+# Weights are natural logarithms of odds; a reading that leads by _SURE is ten times as likely as the next.
+_SURE = 2.3
+_WORST = -7.0
+_Z_WEIGHTS = ((1.0, 5.0), (3.0, 4.0), (20.0, 2.0))
+"""What it weighs that up is the file's z axis, to so many degrees: a levelled scanner writes z up, and exactly so."""
+_AIR_FACTOR, _AIR_MOST = 2.0, 8.0
+_AIR_START = 20.0
+"""So many points on either side say nothing yet about which side of the stair is air."""
+_WALL_REACH_M, _BEYOND_M = 0.15, 0.3
+_SURROUNDINGS_MOST = 2.6
+"""Floors below and rooms above speak for a side, but not against a scanner that was levelled."""
+_HINT = 0.5
+_LEVELLED_COS = math.cos(math.radians(3.0))
+_FLOOR_LEAST, _FLOOR_MOST = -0.5, 1.5
+_FLOOR_START = 200.0
+_SENSOR_WEIGHT = 5.0
+_LOOKS_DOWN_DEG = 35.0
+_LOOKS_STRAIGHT_DOWN = -4.0
+"""Cameras look ahead, or some way down: what a camera that looks straight down weighs."""
+_CONE_DEG = 62.0
+_RAY_DEG = 1.0
+_RAY_SPREAD = 0.1
+_MOST_SPREAD_RAYS = 0.1
+"""From where a camera stood one sees one surface in each direction, but for the edges."""
+_FACES_COS = math.cos(math.radians(12.0))
+_NAME_DEG = 2.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reading:
+    """A rhythm read as a staircase: ``lattice`` with its ``up``, and the weight of what speaks for it."""
+
+    lattice: Lattice
+    weight: float
+
+    @property
+    def up(self) -> Floats:
+        """The direction that is up in this reading, (3,)."""
+        return self.lattice.up
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Thinned:
+    """Points (n, 3) of a scan thinned to an even density, and their unit normals, sign free."""
+
+    points: Floats
+    normals: Floats
+
+
+def thin(points: Floats, normals: Floats) -> Thinned:
+    """Thin a scan to one point in each voxel, and to no more than are needed to see a rhythm."""
+    ids = one_of_each_voxel(points, _VOXEL_M)
+    if len(ids) > _MOST_POINTS:
+        ids = np.sort(np.random.default_rng(0).choice(ids, _MOST_POINTS, replace=False))
+    return Thinned(points[ids], normals[ids])
+
+
+def one_of_each_voxel(points: Floats, voxel_m: float) -> Ints:
+    """Return the index of one point of each cube of this side, in the order of the scan."""
+    cells = np.floor((points - points.min(axis=0)) / voxel_m).astype(np.uint64)
+    # Distinct cells of one hash are rare, and then only one point more is lost.
+    code = cells @ np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
+    return np.sort(np.unique(code, return_index=True)[1])
+
+
+def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bool) -> list[Reading]:
+    """Find the rhythm of a staircase and weigh its four readings, the best first; empty where there is none.
+
+    Parameters
+    ----------
+    scan : Thinned
+        Of a scan in metres.
+    max_rise_m : float
+        Rises up to it are as likely as usual ones where the user has widened it.
+    hint : (3,)
+        What else would be taken as up, which counts where nothing else speaks.
+    is_camera : bool
+        Whether the scan was taken from its origin, as :func:`is_view` says.
+    """
+    longest = max(_LONGEST_PERIOD_M, max_rise_m)
+    lattices = [
+        lattice
+        for lattice in find_lattices(scan.points, scan.normals, (priors.LEAST_RISE_M, longest))
+        if min(lattice.rise_m, lattice.going_m) <= max(max_rise_m, priors.MOST_RISE_M)
+    ]
+    if not lattices:
+        return []
+    best = lattices[0]
+    air, floor, around = _air_above(scan, best), _floor_for(scan, best), _surroundings(scan, best)
+    readings = []
+    for lattice, side, floors in (
+        (best, air + around, floor),
+        (best.flipped(), -air - around, floor),
+        # The side of the air is one side of the faces, in every reading.
+        (best.turned(), air, -floor),
+        (best.turned().flipped(), -air, -floor),
+    ):
+        weight = _as_built(lattice, max_rise_m) + (side + floors) / 2.0
+        weight += _as_camera(scan, lattice) if is_camera else _as_file(lattice.up)
+        weight += _HINT if is_same_way(lattice.up, hint) and float(lattice.up @ hint) > 0.0 else 0.0
+        readings.append(Reading(lattice, weight))
+    return sorted(readings, key=lambda reading: -reading.weight)
+
+
+def question_of(readings: list[Reading]) -> Observation | None:
+    """Return the question which way is up, where two readings fit about equally well."""
+    if len(readings) < 2 or readings[0].weight - readings[1].weight >= _SURE:
+        return None
+    first, second = readings[:2]
+    texts = [
+        f"up along {name_of(each.up)}, rise {1000.0 * each.lattice.rise_m:.0f} mm and going "
+        f"{1000.0 * each.lattice.going_m:.0f} mm"
+        for each in (first, second)
+    ]
+    return Observation(
+        "up_unsure",
+        "question",
+        f"the stair can be read in two ways: {texts[0]}; or {texts[1]}",
+        cure=f"--up={name_of(first.up)}",
+    )
+
+
+def name_of(up: Floats) -> str:
+    """Return a direction as ``--up`` takes it: the name of an axis, or three numbers."""
+    for name, axis in NAMED_UP.items():
+        if float(np.dot(axis, up)) >= math.cos(math.radians(_NAME_DEG)):
+            return name
+    return ",".join(f"{component + 0.0:.3f}" for component in np.round(up, 3))
+
+
+def is_same_way(first: Floats, second: Floats) -> bool:
+    """Return whether two directions are the same or opposite, but for the care with which they were found."""
+    return abs(float(first @ second)) >= math.cos(math.radians(_SAME_DEG))
+
+
+def is_view(scan: Scan, points: Floats) -> bool:
+    """Return whether some points of a scan were taken from its origin, in one direction, as a camera's frame is."""
+    if scan.origin_m.any():
+        return False
+    ranges = np.linalg.norm(points, axis=1)
+    if ranges.min() <= 0.0:
+        return False
+    rays = points / ranges[:, None]
+    ahead = rays.mean(axis=0)
+    length = float(np.linalg.norm(ahead))
+    if length <= 0.0 or (rays @ (ahead / length)).min() < math.cos(math.radians(_CONE_DEG)):
+        return False
+    side = 1.0 / math.radians(_RAY_DEG)
+    cells = np.floor((rays + 1.0) * side).astype(np.int64)
+    _, ray_of = np.unique(cells @ np.array([1, 1000, 1_000_000]), return_inverse=True)
+    nearest = np.full(ray_of.max() + 1, np.inf)
+    farthest = np.zeros(len(nearest))
+    np.minimum.at(nearest, ray_of, ranges)
+    np.maximum.at(farthest, ray_of, ranges)
+    several = np.bincount(ray_of) > 1
+    if not several.any():
+        return False
+    spread = (farthest - nearest)[several] > _RAY_SPREAD * nearest[several]
+    return float(spread.mean()) <= _MOST_SPREAD_RAYS
+
+
+def side_of_sensor(points: Floats, up: Floats) -> float:
+    """Return how many more of the faces of a camera's view lie below the camera than above, as a share, -1 to 1."""
+    return float(np.sign(-project(points.T, up)).mean())
+
+
+def _as_built(lattice: Lattice, max_rise_m: float) -> float:
+    """Weigh rise and going: what staircases are like."""
+    rise, going = lattice.rise_m, lattice.going_m
+    pitch_deg = math.degrees(math.atan2(rise, going))
+    if rise > max(max_rise_m, priors.COMMON_RISES_M[1]) + priors.RISE_SPREAD_M * 2.0 or going < priors.SHORTEST_GOING_M:
+        return 2.0 * _WORST
+    low, high = priors.COMMON_RISES_M
+    high = max(high, max_rise_m) if max_rise_m > priors.MOST_RISE_M else high
+    beyond = max(low - rise, rise - high, 0.0) / priors.RISE_SPREAD_M
+    steep = (pitch_deg - priors.USUAL_PITCH_DEG) / priors.PITCH_SPREAD_DEG
+    return max(_WORST, -(beyond**2 + steep**2) / 2.0)
+
+
+def _as_file(up: Floats) -> float:
+    """Weigh the file's z axis."""
+    apart_deg = math.degrees(math.acos(min(1.0, max(-1.0, float(up[2])))))
+    return next((weight for limit_deg, weight in _Z_WEIGHTS if apart_deg <= limit_deg), 0.0)
+
+
+def _as_camera(scan: Thinned, lattice: Lattice) -> float:
+    """Weigh where a camera at the origin would have been: before the risers, above the treads, looking ahead."""
+    treads, risers = _faces_on(scan, lattice)
+    sides = np.concatenate(
+        [
+            np.sign(-project(scan.points[treads].T, lattice.up)),
+            np.sign(project(scan.points[risers].T, lattice.ahead)),
+        ]
+    )
+    seen = float(sides.mean()) if len(sides) else 0.0
+    look = scan.points.mean(axis=0)
+    down_deg = abs(math.degrees(math.asin(float(np.clip(-(look @ lattice.up) / np.linalg.norm(look), -1.0, 1.0)))))
+    straight = max(0.0, down_deg - _LOOKS_DOWN_DEG) / (90.0 - _LOOKS_DOWN_DEG)
+    return _SENSOR_WEIGHT * seen + _LOOKS_STRAIGHT_DOWN * straight
+
+
+def _faces_on(scan: Thinned, lattice: Lattice) -> tuple[Bools, Bools]:
+    """Return which points face as treads do and which as risers do, near the stair."""
+    ahead, above = _in_profile(scan, lattice)
+    numbers = (*lattice.treads, *lattice.risers)
+    is_near = (np.abs(above + 0.5) <= 0.8) & (ahead >= min(numbers) - 0.2) & (ahead <= max(numbers) + 1.2)
+    turned = [np.abs(project(scan.normals.T, axis)) >= _FACES_COS for axis in (lattice.up, lattice.ahead)]
+    return is_near & turned[0], is_near & turned[1]
+
+
+def _in_profile(scan: Thinned, lattice: Lattice) -> tuple[Floats, Floats]:
+    """Return how many goings ahead of the lattice's origin points lie, and how many rises above its line of nosings."""
+    shifted = (scan.points - lattice.origin).T
+    ahead = project(shifted, lattice.ahead) / lattice.going_m
+    return ahead, project(shifted, lattice.up) / lattice.rise_m - ahead
+
+
+def _air_above(scan: Thinned, lattice: Lattice) -> float:
+    """Weigh the walls beside the stair that go on above its highest tread against those below its lowest.
+
+    One sees walls only through air. The sides of a stair of concrete end at its floor, as the walls above a stair do
+    not end at its upper landing: there would be no headroom.
+    """
+    shifted = (scan.points - lattice.origin).T
+    side = np.cross(lattice.up, lattice.ahead)
+    ahead, height = project(shifted, lattice.ahead) / lattice.going_m, project(shifted, lattice.up)
+    numbers = (*lattice.treads, *lattice.risers)
+    is_wall = np.abs(project(scan.normals.T, side)) >= _FACES_COS
+    is_wall &= np.abs(project(shifted, side)) <= lattice.width_m / 2.0 + _WALL_REACH_M
+    is_wall &= (ahead >= min(numbers)) & (ahead <= max(numbers) + 1.0)
+    n_over = np.count_nonzero(is_wall & (height > max(numbers) * lattice.rise_m + _BEYOND_M))
+    n_under = np.count_nonzero(is_wall & (height < (min(numbers) - 1) * lattice.rise_m - _BEYOND_M))
+    weight = math.log((n_over + _AIR_START) / (n_under + _AIR_START))
+    return float(np.clip(_AIR_FACTOR * weight, -_AIR_MOST, _AIR_MOST))
+
+
+def _surroundings(scan: Thinned, lattice: Lattice) -> float:
+    """Weigh what lies around: the floor is larger than the landing, and there is more above a stair than below it."""
+    shifted = (scan.points - lattice.origin).T
+    ahead, height = project(shifted, lattice.ahead) / lattice.going_m, project(shifted, lattice.up) / lattice.rise_m
+    is_level = np.abs(project(scan.normals.T, lattice.up)) >= _FACES_COS
+    numbers = (*lattice.treads, *lattice.risers)
+    low, high = min(numbers), max(numbers)
+    n_floor = np.count_nonzero(is_level & (np.abs(height - low + 0.5) <= 0.7) & (ahead < low))
+    n_landing = np.count_nonzero(is_level & (np.abs(height - high) <= 0.3) & (ahead > high))
+    beyond = _BEYOND_M / lattice.rise_m
+    n_over, n_under = np.count_nonzero(height > high + beyond), np.count_nonzero(height < low - 1.0 - beyond)
+    # A landing may be the larger one, and a scan may begin at the foot of its stair.
+    weight = math.log((n_floor + _FLOOR_START) / (n_landing + _FLOOR_START)) / 2.0
+    weight += math.log((n_over + _FLOOR_START) / (n_under + _FLOOR_START))
+    most = _SURROUNDINGS_MOST if abs(lattice.up[2]) >= _LEVELLED_COS else 2.0 * _SURROUNDINGS_MOST
+    return float(np.clip(weight, -most, most))
+
+
+def _floor_for(scan: Thinned, lattice: Lattice) -> float:
+    """Weigh the level surfaces beyond the stair against the upright: floors come without walls, not walls alone."""
+    _, above = _in_profile(scan, lattice)
+    level, upright = (
+        np.count_nonzero((np.abs(project(scan.normals.T, axis)) >= _FACES_COS) & (np.abs(above + 0.5) > 0.8))
+        for axis in (lattice.up, lattice.ahead)
+    )
+    weight = math.log((level + _FLOOR_START) / (upright + _FLOOR_START))
+    return float(np.clip(weight, _FLOOR_LEAST, _FLOOR_MOST))

@@ -1,0 +1,161 @@
+"""Up is decided by the stair that comes out, or asked for: never do rise and going change places."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from stair_inspector.model import Normals
+from stair_inspector.params import FloorParams, NormalsParams, parse_up
+from stair_inspector.stages.orient import find_normals, find_up
+from stair_inspector.stages.readings import is_view, name_of, one_of_each_voxel, question_of, read_rhythm, thin
+from tests.camera_views import AXES, View
+from tests.synthetic import Stair, make_scan, motion, rotation
+
+NOWHERE = np.zeros(3)
+RIGHT_DEG = 5.0
+
+
+def up_of(scan, max_rise_m=0.3):
+    normals = Normals(scan.normals) if scan.normals is not None else find_normals(scan, NormalsParams(k=20))
+    return find_up(scan, normals, "auto", FloorParams(), "survey", max_rise_m)
+
+
+def verdict_of(view):
+    """right, asked or wrong."""
+    points, true_up = view.points_and_up()
+    found = up_of(make_scan(points))
+    if any(seen.level == "question" for seen in found.observations):
+        return "asked"
+    return "right" if found.vector @ true_up > np.cos(np.radians(RIGHT_DEG)) else "wrong"
+
+
+def views(pitches, seeds, **changes):
+    """Views of a stair from before it, and from its upper landing where the camera looks down at it."""
+    rooms = ((1.2, 1.3), (0.6, 1.0), (1.5, 1.8), (0.9, 2.2))
+    for pitch, (number, axis), seed in itertools.product(pitches, enumerate(AXES), seeds):
+        height, distance = rooms[(number + seed) % len(rooms)]
+        rise, going = ((0.175, 0.28), (0.15, 0.32), (0.19, 0.25), (0.17, 0.3))[(number + 2 * seed) % 4]
+        yield View(
+            rise=rise,
+            going=going,
+            pitch_deg=pitch,
+            camera_height=height,
+            distance=distance,
+            yaw_deg=(0.0, 12.0, -8.0)[seed % 3],
+            has_walls=(seed + number) % 3 > 0,
+            turned_to=axis,
+            seed=seed,
+            **changes,
+        )
+
+
+FEW = [View(pitch_deg=pitch, turned_to=axis) for pitch, axis in ((0.0, "-y"), (10.0, "y"), (20.0, "-z"), (40.0, "x"))]
+
+
+@pytest.mark.parametrize("view", FEW, ids=lambda view: f"{view.pitch_deg:g} {view.turned_to}")
+def test_a_level_cameras_view_is_read_the_right_way_up(view):
+    assert verdict_of(view) == "right"
+
+
+@pytest.mark.slow
+def test_of_views_over_pitches_axes_and_rooms_none_is_wrong_without_a_question():
+    found = [(verdict_of(view), view) for view in views((0.0, 10.0, 20.0, 30.0, 40.0), range(7))]
+    counts = {name: sum(verdict == name for verdict, _ in found) for name in ("right", "asked", "wrong")}
+    print(counts)
+    assert len(found) >= 200
+    assert [view for verdict, view in found if verdict == "wrong"] == []
+    assert counts["right"] >= 0.8 * len(found)
+
+
+# --- files with a z axis --------------------------------------------------------------------------------------------
+
+STAIR = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.025, noise=0.001, floor_depth=1.2)
+DOWN = rotation("x", 180.0)
+
+
+def in_a_stairwell(stair, height_m=2.4):
+    """A stair between two walls that rise from it to above its landing."""
+    points, normals = stair.sample()
+    rng = np.random.default_rng(8)
+    n = 6000
+    x, z = rng.uniform(-1.2, 1.7, n), rng.uniform(0.0, 1.0, n)
+    line = np.maximum(0.0, np.ceil(x / stair.going)) * stair.rise
+    walls = [
+        np.column_stack([x, np.full(n, side), line + z * (6 * stair.rise + height_m - line)])
+        for side in (-0.01, stair.width + 0.01)
+    ]
+    across = np.tile([0.0, 1.0, 0.0], (2 * n, 1))
+    return np.concatenate([points, *walls]), np.concatenate([normals, across])
+
+
+def test_a_levelled_scan_stays_z_up_and_nothing_is_asked():
+    for points, normals in (STAIR.sample(), in_a_stairwell(STAIR)):
+        up = up_of(make_scan(points, normals))
+        assert up.vector[2] > 0.999
+        assert up.observations == ()
+
+
+def test_a_stairwell_whose_z_points_down_is_turned_round():
+    points, normals = in_a_stairwell(STAIR)
+    up = up_of(make_scan(points @ DOWN.T, normals @ DOWN.T))
+    assert up.vector[2] < -0.999 or [seen.code for seen in up.observations] == ["up_unsure"]
+    assert "up_not_z" in [note.code for note in up.notes]
+
+
+def test_a_steep_stair_stays_z_up():
+    stair = Stair(n_steps=6, rise=0.33, going=0.28, risers=True, spacing=0.025, noise=0.001, floor_depth=1.2)
+    for limit in (0.3, 0.5):
+        assert up_of(stair.scan(), limit).vector[2] > 0.999
+
+
+def test_a_single_riser_is_z_up():
+    stair = Stair(n_steps=1, rise=0.16, going=1.5, risers=True, spacing=0.02, noise=0.002, floor_depth=1.5)
+    assert abs(up_of(stair.scan()).vector[2]) > 0.999
+
+
+def test_two_readings_that_fit_are_asked_for_with_their_numbers_and_one_flag():
+    # At 45 degrees treads and risers are alike, and the file's axes say nothing.
+    turn = rotation("x", 90.0) @ rotation("z", 30.0)
+    stair = Stair(n_steps=6, rise=0.22, going=0.22, risers=True, spacing=0.025, noise=0.001, motion=motion(turn))
+    up = up_of(make_scan(*stair.sample()))
+    (question,) = up.observations
+    assert (question.code, question.level) == ("up_unsure", "question")
+    assert question.message.count("rise 2") == question.message.count("going 2") == 2
+    flag, _, value = question.cure.partition("=")
+    assert flag == "--up"
+    assert np.dot(parse_up(value), up.vector) > np.cos(np.radians(RIGHT_DEG))
+
+
+def test_a_given_up_is_not_asked_about():
+    scan = STAIR.scan()
+    assert find_up(scan, Normals(scan.normals), "-z", FloorParams(), "survey").observations == ()
+
+
+def test_no_rhythm_no_reading_no_question():
+    rng = np.random.default_rng(3)
+    points = rng.uniform(0.0, 2.0, (4000, 3)) * [1.0, 1.0, 0.001]
+    flat = thin(points, np.tile([0.0, 0.0, 1.0], (len(points), 1)))
+    assert read_rhythm(flat, 0.3, NOWHERE, is_camera=False) == []
+    assert question_of([]) is None
+
+
+# --- small parts ----------------------------------------------------------------------------------------------------
+
+
+def test_a_cameras_frame_is_told_from_a_scan_of_several_stations():
+    view = View().scan()
+    assert is_view(view, view.points)
+    assert not is_view(STAIR.scan(), STAIR.scan().points)
+    moved = make_scan(view.points, origin_m=(1000.0, 0.0, 0.0))
+    assert not is_view(moved, moved.points)
+
+
+def test_directions_are_named_as_the_flag_takes_them():
+    assert [name_of(np.array(axis)) for axis in AXES.values()] == list(AXES)
+    assert name_of(np.array([0.0, -0.6, 0.8])) == "0.000,-0.600,0.800"
+
+
+def test_thinning_keeps_one_point_of_each_cube():
+    points = np.array([[0.0, 0.0, 0.0], [0.001, 0.0, 0.0], [0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.051, 0.0, 0.0]])
+    np.testing.assert_array_equal(one_of_each_voxel(points, 0.02), [0, 2, 3])
