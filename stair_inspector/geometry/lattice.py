@@ -280,14 +280,16 @@ def _spread(profile: Floats, axis: int) -> Floats:
 
 def _periods(level: Floats, upright: Floats, rise_m: tuple[float, float]) -> list[tuple[float, float]]:
     """Return the shifts (ahead, up), bins, after which both families of faces come again; up may be negative."""
-    shape = tuple(2 ** math.ceil(math.log2(2 * length)) for length in level.shape)
+    longest = round(rise_m[1] / _BIN_M)
+    # Room for the longest shift to both sides, however small the scan is.
+    shape = tuple(2 ** math.ceil(math.log2(length + max(length, 2 * longest + 2))) for length in level.shape)
     product = np.ones(shape)
     for profile, axis in ((level, 1), (upright, 0)):
         spectrum = np.fft.rfft2(_spread(profile, axis), shape)
         again = np.fft.irfft2(spectrum * spectrum.conj(), shape)
         product *= np.maximum(again, 0.0)
     same = np.sqrt(product)
-    shortest, longest = math.ceil(rise_m[0] / _BIN_M), round(rise_m[1] / _BIN_M)
+    shortest = math.ceil(rise_m[0] / _BIN_M)
     ahead = np.arange(shortest, longest + 1)
     upwards = np.concatenate([np.arange(-longest, -shortest + 1), ahead])
     window = same[np.ix_(ahead, upwards % shape[1])]

@@ -78,3 +78,8 @@ def test_what_has_no_rhythm_of_two_families_has_no_lattice(stair):
     else:
         points, normals = stair.sample()
     assert find_lattices(points, normals, RISES_M) == []
+
+
+def test_a_scan_that_is_smaller_than_the_longest_step_has_no_lattice():
+    small = replace(STAIR, n_steps=2, rise=0.04, going=0.05, floor_depth=0.1, width=0.4, spacing=0.01, noise=0.0)
+    assert find_lattices(*small.sample(), RISES_M) == []
