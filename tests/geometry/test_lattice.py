@@ -80,6 +80,10 @@ def test_what_has_no_rhythm_of_two_families_has_no_lattice(stair):
     assert find_lattices(points, normals, RISES_M) == []
 
 
-def test_a_scan_that_is_smaller_than_the_longest_step_has_no_lattice():
-    small = replace(STAIR, n_steps=2, rise=0.04, going=0.05, floor_depth=0.1, width=0.4, spacing=0.01, noise=0.0)
-    assert find_lattices(*small.sample(), RISES_M) == []
+def test_a_scan_that_is_shallower_than_the_longest_step_has_no_lattice():
+    # A board of 100 mm before a wall.
+    rng = np.random.default_rng(5)
+    board = rng.uniform(0.0, 1.0, (1000, 3)) * [0.1, 0.5, 0.0]
+    wall = rng.uniform(0.0, 1.0, (4000, 3)) * [0.0, 0.5, 1.0]
+    normals = np.repeat([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]], (1000, 4000), axis=0)
+    assert find_lattices(np.concatenate([board, wall]), normals, RISES_M) == []
