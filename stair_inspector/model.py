@@ -221,6 +221,10 @@ class Chains:
     longest_risers: int = 0
 
 
+NO_CHAINS = Chains(())
+"""No flight at all."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalPlane:
     """Height over a step's frame, ``z0_m + slope[0] * s + slope[1] * w``, with the covariance of the three numbers.

@@ -4,14 +4,14 @@ import dataclasses
 from typing import Any
 
 from stair_inspector.memo import Memo
-from stair_inspector.model import Inspection, Scan
+from stair_inspector.model import NO_CHAINS, Inspection, Scan
 from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
 from stair_inspector.stages.beyond import note_what_goes_on
-from stair_inspector.stages.causes import with_cause
+from stair_inspector.stages.causes import is_too_coarse, with_cause
 from stair_inspector.stages.dither import spread_steps
-from stair_inspector.stages.examine import examine
+from stair_inspector.stages.examine import examine, with_questions
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.impossible import take_out_impossible
 from stair_inspector.stages.nosings import find_shapes
@@ -78,13 +78,15 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     found = conclude(scan, params, examined, up, *of_paper, dict(memo.timings_s))
     if params.method == "paper":
         return found
-    if fitted.observations:
-        found = dataclasses.replace(found, examination=(*found.examination, *fitted.observations))
+    observations = with_questions((*found.examination, *fitted.observations), params.uncertainty)
+    found = dataclasses.replace(found, examination=observations)
     spread = memo.run("dither", spread_steps, scan, examined, heights, horizontal, levels)
     heights, horizontal, levels = spread.heights, spread.horizontal, spread.levels
     patches = memo.run("patches", split_levels, horizontal, levels, fitted.patches, fitted.levels)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
-    chains = memo.run("flights", find_chains, patches, params.flights, params.patches.min_area_m2, forced)
+    is_hopeless = is_too_coarse(found.examination, params.flights)
+    of_flights = (patches, params.flights, params.patches.min_area_m2, forced)
+    chains = NO_CHAINS if is_hopeless else memo.run("flights", find_chains, *of_flights)
     of_points = (heights, horizontal, patches, chains, params.survey.of_edges, spread.is_stepped)
     shapes = memo.run("nosings", find_shapes, *of_points, float(examined.steps_m.max()) if is_sparse else None)
     how_sure = (params.survey, params.uncertainty, params.display)
@@ -92,7 +94,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     survey = memo.run("survey", measure_survey, horizontal, *of_scan)
     survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey), params.flights)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
-    if not concluded.steps:
+    if not concluded.steps and not is_hopeless:
         tried = memo.run("suggested", try_suggested, heights, is_sparse, params, forced)
         concluded = say_tried(concluded, tried, dict(memo.timings_s))
     return withhold(concluded)

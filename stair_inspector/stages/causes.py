@@ -81,6 +81,11 @@ def why_no_flight(
     return f"{what}, but {found}{ramp}; {advice}"
 
 
+def is_too_coarse(examination: Sequence[Observation], flights: FlightsParams) -> bool:
+    """Return whether the coordinates lie on so coarse a step that nothing of a staircase is left in them."""
+    return _too_coarse(examination, flights) is not None
+
+
 def with_cause(measure: Measure) -> Measure:
     """Let a function of a scan and settings tell the true cause where it fails and an examination knows one.
 
@@ -105,10 +110,9 @@ def with_cause(measure: Measure) -> Measure:
 
 def _why_hopeless(scan: Scan, examination: Sequence[Observation], flights: FlightsParams) -> str | None:
     """Return why no settings can find a staircase in a scan, None where they may."""
-    for found in examination:
-        is_step = found.code in ("float32_far_from_zero", "coordinates_rounded", "points_on_lattice")
-        if is_step and (found.size_m or 0.0) >= _COARSE * flights.min_rise_m:
-            return f"{found.message}, as coarse as a step of a staircase; {found.cure}"
+    coarse = _too_coarse(examination, flights)
+    if coarse is not None:
+        return f"{coarse.message}, as coarse as a step of a staircase; {coarse.cure}"
     size_m = _size_of(scan.points)
     if not _SMALLEST_M <= size_m <= _LARGEST_M:
         in_file = size_m / METRES_PER_UNIT[scan.unit]
@@ -128,6 +132,15 @@ def _why_hopeless(scan: Scan, examination: Sequence[Observation], flights: Fligh
                 "CAD model, or a scan that was thinned too far; of a mesh, sample the faces (1,000 points and more a "
                 "tread), of a scan, export all points"
             )
+    return None
+
+
+def _too_coarse(examination: Sequence[Observation], flights: FlightsParams) -> Observation | None:
+    """Return what says that the coordinates lie on a step as coarse as half a riser, None where nothing does."""
+    for found in examination:
+        is_step = found.code in ("float32_far_from_zero", "coordinates_rounded", "points_on_lattice")
+        if is_step and (found.size_m or 0.0) >= _COARSE * flights.min_rise_m:
+            return found
     return None
 
 

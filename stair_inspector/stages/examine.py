@@ -1,11 +1,14 @@
 """What is this scan like, before anything is measured in it?"""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Examination, Observation, Scan
-from stair_inspector.params import METRES_PER_UNIT
+from stair_inspector.params import METRES_PER_UNIT, UncertaintyParams
 from stair_inspector.stages.coordinate_steps import CoordinateSteps, find_steps
 from stair_inspector.stages.copies import find_mirrored_copy, find_shifted_copy
 from stair_inspector.stages.density import find_spacing
@@ -43,6 +46,9 @@ _CURES = {
     "points_sparse": "scan the stairs from nearer or with a finer resolution, or export without thinning",
 }
 
+_TORN_M = 0.015
+"""Surfaces that are double by so much are two height clusters, and steps would be counted twice."""
+
 
 def examine(scan: Scan) -> Examination:
     """Examine a scan before it is measured.
@@ -78,6 +84,36 @@ def examine(scan: Scan) -> Examination:
     if TREAD_M2 / spacing_m**2 < POINTS_PER_TREAD:
         found.append(_observe_sparse(spacing_m, round(TREAD_M2 / spacing_m**2)))
     return Examination(tuple(found), steps.steps_m, max((way.apart_m for way in doubled), default=0.0))
+
+
+def with_questions(observations: tuple[Observation, ...], stated: UncertaintyParams) -> tuple[Observation, ...]:
+    """Ask where doubled surfaces lie so far apart that each tread is two: which of them is right, no scan tells.
+
+    Parameters
+    ----------
+    observations : tuple of Observation
+        Of a scan.
+    stated : UncertaintyParams
+        A registration that allows for half of what lies between the two answers the question: both may be wrong by it.
+    """
+    return tuple(
+        replace(found, level="question", cure=f"{_answer_to(found.size_m)}, or: {found.cure}")
+        if found.code == "surfaces_doubled"
+        and found.size_m is not None
+        and found.size_m >= _TORN_M
+        and stated.registration_m < _answering_m(found.size_m)
+        else found
+        for found in observations
+    )
+
+
+def _answering_m(apart_m: float) -> float:
+    """Return the standard uncertainty of registration that allows for surfaces so far apart, on whole 0.1 mm."""
+    return math.ceil(5000.0 * apart_m) / 10000.0
+
+
+def _answer_to(apart_m: float) -> str:
+    return f"--uncertainty.registration-m {_answering_m(apart_m):g}"
 
 
 def size_text(size_m: float) -> str:
