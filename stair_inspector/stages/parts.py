@@ -75,8 +75,14 @@ class Doubts:
         return math.hypot(shape.front.noise_at(w_m), self.place(shape.front, shape))
 
     def layers(self, plane: LocalPlane | None) -> float:
-        """Return what doubled surfaces leave uncertain of a level: its own layers, else its flight's or scan's."""
-        return 0.0 if plane is None else layers_doubt(plane.layers_m or self._layers_m)
+        """Return what doubled surfaces leave uncertain of a level: its own layers, else its flight's or scan's.
+
+        The mean of a level that shows both layers lies between them; one that shows a single layer is either of the two
+        (JCGM 100:2008, 4.3.7 and 4.3.8: an even distribution, and one at both ends).
+        """
+        if plane is None:
+            return 0.0
+        return layers_doubt(plane.layers_m) if plane.layers_m else self._layers_m / 2.0
 
     def layers_of_slope(self, plane: LocalPlane, depth_m: float) -> float:
         """Return the same of a slope, as a tangent: at the front one layer may be seen, at the back the other."""

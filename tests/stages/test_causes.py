@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from stair_inspector.errors import CannotMeasure
-from stair_inspector.model import Note
+from stair_inspector.model import Note, Observation
 from stair_inspector.params import FlightsParams, HorizontalParams, LevelsParams, NormalsParams, Params, PatchesParams
 from stair_inspector.pipeline import inspect
+from stair_inspector.stages.causes import is_too_coarse
 from tests.stages.test_coordinate_steps import UTM, as_float32, scan_of
 from tests.synthetic import Stair, make_scan
 
@@ -205,3 +206,17 @@ def test_normals_that_scatter_too_much_for_theta_are_no_level_surface():
     lean = np.tile([np.sin(0.4), 0.0, np.cos(0.4)], (len(tilted[0]), 1))
     message = why(make_scan(tilted[0], lean), horizontal=HorizontalParams(theta_deg=10.0))
     assert message.startswith("no level surface: ")
+
+
+@pytest.mark.parametrize(("step_m", "is_coarse"), [(0.02, False), (0.0299, False), (0.03, True), (0.5, True)])
+def test_coordinates_as_coarse_as_half_the_smallest_riser_are_hopeless(step_m, is_coarse):
+    found = (Observation("coordinates_rounded", "doubt", "rounded", step_m, "export again"),)
+    assert is_too_coarse(found, FlightsParams()) is is_coarse
+    assert not is_too_coarse((Observation("cloud_copied", "doubt", "twice", step_m),), FlightsParams())
+
+
+def test_nothing_is_measured_in_coordinates_that_are_too_coarse():
+    points = stair(noise=0.002, spacing=0.01).sample()[0]
+    reason = why(make_scan(np.round(points / 0.05) * 0.05), normals=NormalsParams())
+    assert "50 mm" in reason
+    assert "as coarse as a step of a staircase" in reason

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from stair_inspector.stages.examine import examine, size_text
+from stair_inspector.model import Observation
+from stair_inspector.params import UncertaintyParams
+from stair_inspector.stages.examine import examine, size_text, with_questions
 from tests.stages.test_coordinate_steps import POINTS, UTM, as_float32, scan_of, voxels
 from tests.synthetic import Stair, rotation
 
@@ -108,3 +110,31 @@ def test_too_few_points_for_a_tread(spacing, is_sparse):
     if is_sparse:
         assert found[0].size_m == pytest.approx(spacing, rel=0.2)
         assert "where 100 are needed" in found[0].message
+
+
+def doubled(apart_m):
+    return Observation(
+        "surfaces_doubled", "doubt", f"surfaces are double, {apart_m:g} m apart", apart_m, "register again"
+    )
+
+
+@pytest.mark.parametrize(
+    ("apart_m", "registration_m", "level"),
+    [(0.0149, 0.0, "doubt"), (0.015, 0.0, "question"), (0.02, 0.0099, "question"), (0.02, 0.01, "doubt")],
+)
+def test_surfaces_that_are_double_by_much_are_asked_about_until_the_registration_is_stated(
+    apart_m, registration_m, level
+):
+    stated = UncertaintyParams(registration_m=registration_m)
+    (found,) = with_questions((doubled(apart_m),), stated)
+    assert found.level == level
+    # What answers it is a flag that does.
+    if level == "question":
+        value = float(found.cure.split()[1].rstrip(","))
+        assert found.cure.startswith("--uncertainty.registration-m ")
+        assert with_questions((doubled(apart_m),), UncertaintyParams(registration_m=value))[0].level == "doubt"
+
+
+def test_nothing_else_is_asked_about():
+    others = (Observation("cloud_copied", "doubt", "twice", 0.5), Observation("surfaces_doubled", "doubt", "unknown"))
+    assert with_questions(others, UncertaintyParams()) == others
