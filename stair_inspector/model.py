@@ -120,6 +120,7 @@ class HeightOrder:
     ``point_ids`` (n,) into the scan; ``alignment`` (n,) |normal . up|; ``coordinates_m`` (3, n) local coordinates
     along the rows of ``level_from_scan`` (3, 3), a rotation whose third row is up: two plan coordinates and the
     height, which ascends. One contiguous row for each coordinate, because every later stage works on ranges of them.
+    ``plan_corner_m`` (2,) are the least plan coordinates of all level points, in the region or not.
     """
 
     point_ids: Ints
@@ -128,6 +129,7 @@ class HeightOrder:
     level_from_scan: Floats
     up: Up
     n_scan: int
+    plan_corner_m: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -139,6 +141,7 @@ class Horizontal:
     level_from_scan: Floats
     up: Up
     n_scan: int
+    plan_corner_m: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

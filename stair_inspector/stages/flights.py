@@ -70,7 +70,7 @@ def find_chains(patches: Patches, params: FlightsParams, least_area_m2: float, f
     )
     runs = _with_short_last_edges(surfaces, runs, every, params)
     runs = close_gaps(surfaces, runs, is_allowed)
-    runs = _with_missing_feet(surfaces, _with_feet(surfaces, runs, links), is_allowed)
+    runs = _with_missing_feet(surfaces, _with_feet(surfaces, runs, links), is_allowed, forced)
     pieces = [piece for run in runs for piece in _cut_at_landings(run, forced)]
     kept = [piece for piece in pieces if _is_flight(surfaces, piece, params, pieces)]
     kept.sort(key=lambda run: (surfaces[run[0].lower].height_m, run[0].lower))
@@ -78,7 +78,7 @@ def find_chains(patches: Patches, params: FlightsParams, least_area_m2: float, f
     longest = max((len(run) for run in runs), default=0)
     # What a flight climbs onto is where another one begins, however small it is.
     steps = {link.upper for piece in kept for link in piece}
-    has_base = [run[0].lower in steps or is_base(surfaces, run) for run in kept]
+    has_base = [run[0].lower in steps or _is_base(surfaces, run, forced) for run in kept]
     for run, is_based in zip(kept, has_base, strict=True):
         notes += [] if is_based else _note_foot(surfaces, run, kept, is_allowed)
     chains = tuple(_chain(run, is_based) for run, is_based in zip(kept, has_base, strict=True))
@@ -272,16 +272,26 @@ def _goes_on(surfaces: Sequence[Surface], low: list[Link], high: list[Link]) -> 
 
 
 def _with_missing_feet(
-    surfaces: Sequence[Surface], runs: list[list[Link]], is_allowed: Sequence[bool]
+    surfaces: Sequence[Surface], runs: list[list[Link]], is_allowed: Sequence[bool], forced: Forced
 ) -> list[list[Link]]:
     """Put the floor or landing in front of every run whose lowest treads are missing."""
     steps = {link.upper for run in runs for link in run}
     result = []
     for run in runs:
-        has_foot = run[0].lower in steps or is_base(surfaces, run)
+        has_foot = run[0].lower in steps or _is_base(surfaces, run, forced)
         foot = None if has_foot else missing_foot(surfaces, run, is_allowed)
         result.append(run if foot is None else [foot, *run])
     return result
+
+
+def _is_base(surfaces: Sequence[Surface], run: Sequence[Link], forced: Forced) -> bool:
+    """Return whether a run begins at a floor or landing, or at what the region of interest leaves of one.
+
+    Where the region cuts off the front of its lowest surface, no nosing is seen of it: it is no step.
+    """
+    first = run[0]
+    is_cut = first.climb is not None and forced.is_cut(first.lower, -first.climb)
+    return is_cut or is_base(surfaces, run)
 
 
 def _cut_at_landings(run: list[Link], forced: Forced) -> list[list[Link]]:

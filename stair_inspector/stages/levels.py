@@ -25,6 +25,7 @@ def select_horizontal(heights: HeightOrder, params: HorizontalParams) -> Horizon
         level_from_scan=heights.level_from_scan,
         up=heights.up,
         n_scan=heights.n_scan,
+        plan_corner_m=heights.plan_corner_m,
     )
 
 

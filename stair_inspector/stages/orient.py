@@ -226,13 +226,16 @@ def order_by_height(scan: Scan, normals: Normals, up: Up, region: str = "") -> H
         order = order[is_inside[order]]
         if not len(order):
             raise ConfigError(f"overrules.region: no point of {scan.name} lies in the box {region}; check its corners")
+    alignment = np.abs(project(normals.vectors.T, u))
+    is_level = alignment >= math.cos(math.radians(_LEVEL_TOLERANCE_DEG))
     return HeightOrder(
         point_ids=freeze(order),
-        alignment=freeze(np.abs(project(normals.vectors.T, u))[order]),
+        alignment=freeze(alignment[order]),
         coordinates_m=freeze(coordinates.take(order, axis=1)),
         level_from_scan=own(level_from_scan, (3, 3), "level_from_scan"),
         up=up,
         n_scan=len(scan.points),
+        plan_corner_m=freeze(coordinates[:2, is_level].min(axis=1)) if is_level.any() else None,
     )
 
 

@@ -66,7 +66,7 @@ def split_levels(horizontal: Horizontal, levels: Levels, params: PatchesParams, 
     """
     coordinates = horizontal.coordinates_m
     groups = [np.arange(start, stop) for start, stop in zip(levels.start, levels.stop, strict=True)]
-    grid = _lay_grid(coordinates[:2], levels, params.cell_m)
+    grid = _lay_grid(coordinates[:2], levels, params.cell_m, horizontal.plan_corner_m)
     planes: list[_CellPlane] = []
     for _ in range(_ROUNDS):
         parts = _split_in_plan(grid, coordinates, groups, heights.eps_m)
@@ -136,15 +136,18 @@ def _level_of(levels: Levels, rows: Ints) -> int:
     return int(np.searchsorted(levels.start, rows[0], side="right")) - 1
 
 
-def _lay_grid(plan: Floats, levels: Levels, cell_m: float) -> _Grid:
+def _lay_grid(plan: Floats, levels: Levels, cell_m: float, corner: Floats | None = None) -> _Grid:
     """Lay plan cells over the points of all height clusters: larger ones than wanted where the scan is too coarse."""
     cell_of = np.zeros(plan.shape[1], dtype=np.int64)
     spans = [slice(start, stop) for start, stop in zip(levels.start, levels.stop, strict=True)]
     if not spans:
         return _Grid(cell_of, np.zeros((2, 0), dtype=np.int64), cell_m)
     n_points = int((levels.stop - levels.start).sum())
-    low, high = plan.min(axis=1), plan.max(axis=1)
+    first, high = plan.min(axis=1), plan.max(axis=1)
+    corner = first if corner is None else corner
     while True:
+        # Whole cells from the corner of all that was scanned: what is left out must not move the cells of a surface.
+        low = corner + np.floor((first - corner) / cell_m) * cell_m
         n_columns, n_rows = (int(last) + 1 for last in (high - low) / cell_m)
         # Cluster by cluster: what fits into the processor's cache is worked on several times as fast.
         for span in spans:

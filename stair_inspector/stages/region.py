@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Note, Scan, Step, Up
+from stair_inspector.model import Horizontal, Note, Patches, Scan, Step, Up
 from stair_inspector.params import parse_region
 
 _AT_FACE_M, _AT_FACE_SPACINGS = 0.02, 3.0
@@ -71,6 +71,42 @@ def note_region_cuts(
                 )
                 notes.append(Note("region_cuts", "verdict", message, step.step_id))
     return notes
+
+
+def find_cut_faces(scan: Scan, horizontal: Horizontal, patches: Patches, region: str) -> dict[int, tuple[Floats, ...]]:
+    """Find the surfaces that end at the region of interest while the scan goes on behind its face.
+
+    Parameters
+    ----------
+    scan : Scan
+        All of it, what lies outside of the region included.
+    horizontal, patches
+        Of what lies within the region; level frame.
+    region : str
+        As ``overrules.region`` gives it; empty for none.
+
+    Returns
+    -------
+    dict
+        For each such surface, by its number, the directions of the plan, (2,), in which its cut faces look out.
+    """
+    box = parse_region(region)
+    if box is None:
+        return {}
+    up = horizontal.up
+    bounds = np.array(box) - scan.origin_m
+    found: dict[int, tuple[Floats, ...]] = {}
+    for number, surface in enumerate(patches.surfaces):
+        own = scan.points[horizontal.point_ids[surface.rows]]
+        spacing_m = math.sqrt(surface.area_m2 / len(surface.rows))
+        ways = []
+        for axis in (axis for axis in range(3) if abs(up.vector[axis]) < _UPRIGHT):
+            for bound, sign in zip(bounds[:, axis], (-1.0, 1.0), strict=True):
+                if _is_cut(scan, up, own, spacing_m, axis, float(bound), sign):
+                    ways.append(sign * horizontal.level_from_scan[:2, axis])
+        if ways:
+            found[number] = tuple(ways)
+    return found
 
 
 def _side_of(axis: int, sign: float, climb: Floats, left: Floats) -> str:

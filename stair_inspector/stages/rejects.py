@@ -11,6 +11,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats, Ints, freeze
 from stair_inspector.model import Chains, Horizontal, Patches, Scan, Surface
 from stair_inspector.params import FlightsParams, OverrulesParams, Verdict, parse_force, parse_up
+from stair_inspector.stages.region import find_cut_faces
 
 _LINE_M = 0.02
 _OVER_SHARE = 0.3
@@ -18,6 +19,7 @@ _SAME_HEIGHT_M = 0.04
 _REACH_M = 0.5
 """How far a surface may be from the point by which the inspector means it."""
 _UNDER_SHARE = 0.5
+_SAME_WAY = math.cos(math.radians(45.0))
 _LEAST_LEVEL = 0.2
 """A direction that is steeper than 78 degrees says nothing about the plan."""
 
@@ -26,12 +28,18 @@ _LEAST_LEVEL = 0.2
 class Forced:
     """The inspector's decisions: kinds by surface number, and the direction of climb in plan, (2,), level frame.
 
-    ``reasons`` holds the inspector's own words, for the surfaces for which some were given.
+    ``reasons`` holds the inspector's own words, for the surfaces for which some were given; ``cut`` the surfaces that
+    the region of interest cuts through, and which way its faces look there.
     """
 
     kinds: dict[int, Verdict]
     climb: Floats | None = None
     reasons: dict[int, str] = field(default_factory=dict)
+    cut: dict[int, tuple[Floats, ...]] = field(default_factory=dict)
+
+    def is_cut(self, number: int, way: Floats) -> bool:
+        """Return whether the region of interest cuts a surface off on the side that lies in a direction, (2,)."""
+        return any(float(way @ face) > _SAME_WAY for face in self.cut.get(number, ()))
 
     def those(self, kind: Verdict) -> frozenset[int]:
         """Return the surfaces decided to be of a kind."""
@@ -84,14 +92,15 @@ def apply_overrules(scan: Scan, horizontal: Horizontal, patches: Patches, params
             )
         kinds.update(dict.fromkeys(chosen, force.kind))
         reasons.update(dict.fromkeys(chosen, force.reason))
+    cut = find_cut_faces(scan, horizontal, patches, params.region)
     given = parse_up(params.climb, "overrules.climb")
     if given is None:
-        return Forced(kinds, reasons=reasons)
+        return Forced(kinds, reasons=reasons, cut=cut)
     climb = (horizontal.level_from_scan @ np.array(given))[:2]
     length = float(np.hypot(*climb))
     if length < _LEAST_LEVEL:
         raise ConfigError(f"overrules.climb: {params.climb} points up or down; give a direction in plan")
-    return Forced(kinds, freeze(climb / length), reasons)
+    return Forced(kinds, freeze(climb / length), reasons, cut)
 
 
 def may_be_step(surface: Surface, min_area_m2: float) -> bool:
