@@ -129,6 +129,10 @@ class Headless(Common):
         tyro.conf.FlagCreatePairsOff[bool],
         Doc("Write the survey report too: DIR/STEM_report.pdf, .html and .xlsx, STEM_plan.dxf and STEM_section.dxf."),
     ] = False
+    stability: Annotated[
+        tyro.conf.FlagCreatePairsOff[bool],
+        Doc("Measure again one notch of theta_th, eps_z and m to each side, and note every value that moves beyond u."),
+    ] = False
     fields: Annotated[
         str,
         tyro.conf.arg(metavar="FILE.toml"),
@@ -478,7 +482,9 @@ def _for_each(
     """Inspect every scan and show it; return the worst exit code. An error of one scan leaves the others."""
     from stair_inspector.files.projects import check_scan
     from stair_inspector.files.scans import read_scan
+    from stair_inspector.memo import Memo
     from stair_inspector.pipeline import inspect
+    from stair_inspector.stability import mark_unsettled
 
     worst = 0
     for path in paths:
@@ -486,7 +492,11 @@ def _for_each(
             scan = read_scan(path, options.settings.unit)
             if project is not None:
                 check_scan(project, scan.sha256, str(path), options.project)
-            worst = max(worst, show(scan, inspect(scan, options.settings), path))
+            memo = Memo()
+            found = inspect(scan, options.settings, memo)
+            if options.stability:
+                found = mark_unsettled(scan, options.settings, found, memo)
+            worst = max(worst, show(scan, found, path))
         except StairError as error:
             if options.debug:
                 traceback.print_exc()

@@ -16,6 +16,7 @@ ROOMS = (
     ("stages", "codes", "simulate"),
     ("memo",),
     ("pipeline",),
+    ("stability",),
     ("files",),
     ("report",),
     ("viewer",),
@@ -23,7 +24,19 @@ ROOMS = (
 )
 """From the lowest floor to the highest; a room may import itself and what lies below, not its neighbours."""
 RANK = {room: rank for rank, rooms in enumerate(ROOMS) for room in rooms}
-CORE = {"errors", "priors", "geometry", "params", "model", "stages", "codes", "simulate", "memo", "pipeline"}
+CORE = {
+    "errors",
+    "priors",
+    "geometry",
+    "params",
+    "model",
+    "stages",
+    "codes",
+    "simulate",
+    "memo",
+    "pipeline",
+    "stability",
+}
 HEAVY = {"open3d", "trimesh", "sklearn", "scipy", "typst", "ezdxf", "xlsxwriter"}
 """Imported only inside the functions that need them: each takes up to seconds."""
 FILES = sorted(PACKAGE.rglob("*.py"))

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import stair_inspector
-from stair_inspector import cli
+from stair_inspector import cli, stability
 from stair_inspector.errors import ConfigError, MissingLibrary
 from stair_inspector.files.exports import write_inspection
 from stair_inspector.files.ply import ply_bytes
@@ -779,3 +779,12 @@ def test_a_reader_that_has_seen_enough_does_not_stop_the_work(stair_file, tmp_pa
 
 def test_config_errors_are_value_errors_so_that_tyro_reports_them():
     assert issubclass(ConfigError, ValueError)
+
+
+def test_stability_measures_again_to_each_side_of_the_settings(run, stair_file, tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(stability, "inspect", lambda *asked: seen.append(asked) or inspect(*asked))
+    assert run("measure", stair_file, "-o", tmp_path, *UP_Z)[0] == 0
+    assert not seen
+    assert run("measure", stair_file, "-o", tmp_path, *UP_Z, "--stability")[0] == 0
+    assert len(seen) == 6

@@ -1,0 +1,112 @@
+"""Does a value hang on a setting? What moves by more than its own u within one notch of a slider is marked."""
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+
+from stair_inspector.errors import StairError
+from stair_inspector.memo import Memo
+from stair_inspector.model import Inspection, Measured, Note, Scan, Step
+from stair_inspector.params import GROUPS, Params, fields_of, knob_of
+from stair_inspector.pipeline import inspect
+
+CODE = "unsettled"
+"""Of the note on a step that names a value which moves."""
+SETTINGS = ("horizontal.theta_deg", "levels.eps_m", "levels.min_points")
+"""Settings of the segmentation whose notches cost no new normals."""
+_QUANTITIES = {
+    "rise_m": "rise",
+    "going_m": "going",
+    "tread_depth_m": "tread depth",
+    "width_m": "width",
+    "nosing_overhang_m": "overhang",
+    "pitch_deg": "pitch",
+    "fall_deg": "fall",
+    "cross_fall_deg": "cross fall",
+}
+_SAME_STEP_M = 0.1
+"""Centroids of one step are nearer than this whatever moves; those of two steps are a going apart."""
+
+
+def mark_unsettled(scan: Scan, params: Params, inspection: Inspection, memo: Memo | None = None) -> Inspection:
+    """Note every value that moves by more than its own u within one notch of a slider.
+
+    Parameters
+    ----------
+    scan : Scan
+        What was measured.
+    params : Params
+        With which it was.
+    inspection : Inspection
+        The result; by the survey's method.
+    memo : Memo, optional
+        That of the result, so that normals and up are not found again.
+
+    Returns
+    -------
+    Inspection
+        The same one where all is settled; else with a note for each such value, with the number of its step.
+
+    Notes
+    -----
+    Six runs of the stages from theta_th on.
+    """
+    if params.method != "survey" or inspection.is_withheld:
+        return inspection
+    memo = memo or Memo()
+    largest: dict[tuple[int, str], tuple[float, str]] = {}
+    for changed, words in _notches(params):
+        try:
+            found = inspect(scan, changed, memo)
+        except StairError:
+            found = None
+        for step in inspection.steps:
+            other = None if found is None else _same_step(step, found)
+            for name in _QUANTITIES:
+                moved = _moved(getattr(step, name), None if other is None else getattr(other, name))
+                if moved > largest.get((step.step_id, name), (0.0, ""))[0]:
+                    largest[step.step_id, name] = moved, words
+    notes = [
+        Note(CODE, "stability", _sentence(step_id, name, moved, words), step_id)
+        for (step_id, name), (moved, words) in sorted(largest.items())
+    ]
+    return dataclasses.replace(inspection, notes=(*inspection.notes, *notes)) if notes else inspection
+
+
+def _notches(params: Params) -> Iterator[tuple[Params, str]]:
+    """Yield the settings one notch of a slider to each side, and what was changed, in words."""
+    for name in SETTINGS:
+        knob = knob_of(name)
+        group, _, field_name = name.rpartition(".")
+        kind = fields_of(GROUPS[group])[field_name][0]
+        for sign in (-1, 1):
+            value = kind(round(params.value(name) + sign * knob.step, 9))
+            if knob.low <= value <= knob.high:
+                yield (
+                    params.replaced(name, value),
+                    f"{knob.symbol} is {knob.shown(value):g} {knob.display_unit}".strip(),
+                )
+
+
+def _same_step(step: Step, found: Inspection) -> Step | None:
+    gaps = [float(np.linalg.norm(each.plane.centroid - step.plane.centroid)) for each in found.steps]
+    return found.steps[int(np.argmin(gaps))] if gaps and min(gaps) <= _SAME_STEP_M else None
+
+
+def _moved(value: Measured | None, other: Measured | None) -> float:
+    """Return how far a value moves if that is more than its u, infinity where it is lost, else 0."""
+    if value is None:
+        return 0.0
+    if other is None:
+        return float("inf")
+    moved = abs(other.value - value.value)
+    return moved if moved > value.u else 0.0
+
+
+def _sentence(step_id: int, name: str, moved: float, words: str) -> str:
+    what = f"the {_QUANTITIES[name]} of step {step_id}"
+    if moved == float("inf"):
+        return f"{what} hangs on the settings: it is not measured where {words}"
+    size = f"{moved * 1000.0:.1f} mm" if name.endswith("_m") else f"{moved:.2f}°"
+    return f"{what} hangs on the settings: it moves by {size}, more than its u, where {words}"
