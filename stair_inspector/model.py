@@ -173,7 +173,7 @@ class Surface:
 
     ``cells_m`` (2, c) mean plan coordinates of the points in each plan cell; ``centre_m`` (3,) and ``slope`` (2,) its
     robust plane, dz/dx and dz/dy; ``sigma_m`` the scatter of the cells' means about it; ``plane`` (step 8 of the paper
-    for these points) in local scan axes.
+    for these points) in local scan axes; ``is_barred`` says that it is put together from bars with gaps.
     """
 
     level_id: int
@@ -185,6 +185,7 @@ class Surface:
     slope: Floats
     sigma_m: float
     plane: PlaneFit
+    is_barred: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,6 +8,7 @@ from stair_inspector.model import NO_CHAINS, Inspection, Scan
 from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
+from stair_inspector.stages.bars import join_bars
 from stair_inspector.stages.beyond import note_what_goes_on
 from stair_inspector.stages.causes import is_too_coarse, with_cause
 from stair_inspector.stages.dither import spread_steps
@@ -83,15 +84,15 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     spread = memo.run("dither", spread_steps, scan, examined, heights, horizontal, levels)
     heights, horizontal, levels = spread.heights, spread.horizontal, spread.levels
     patches = memo.run("patches", split_levels, horizontal, levels, fitted.patches, fitted.levels)
+    horizontal, patches = memo.run("bars", join_bars, heights, horizontal, patches, params.patches.min_area_m2)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
     is_hopeless = is_too_coarse(found.examination, params.flights)
     of_flights = (patches, params.flights, params.patches.min_area_m2, forced)
     chains = NO_CHAINS if is_hopeless else memo.run("flights", find_chains, *of_flights)
     of_points = (heights, horizontal, patches, chains, params.survey.of_edges, spread.is_stepped)
     shapes = memo.run("nosings", find_shapes, *of_points, float(examined.steps_m.max()) if is_sparse else None)
-    how_sure = (params.survey, params.uncertainty, params.display)
-    of_scan = (patches, chains, shapes, steps, up, forced, *how_sure, examined)
-    survey = memo.run("survey", measure_survey, horizontal, *of_scan)
+    how_sure = (params.survey, params.uncertainty, params.display, examined)
+    survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, *how_sure)
     survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey), params.flights)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
     if not concluded.steps and not is_hopeless:

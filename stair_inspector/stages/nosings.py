@@ -11,6 +11,7 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_extent_edge, find_face_edge
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
+from stair_inspector.geometry.rims import find_rim_edge
 from stair_inspector.model import Arc, Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.arcs import (
@@ -75,6 +76,8 @@ _BAND_SIGMA = 3.0
 _LEAST_BAND_M = 0.002
 _FACE_AGREES_M, _AGREE_SIGMAS = 0.006, 4.0
 _FACE_INSIDE_M, _FACE_ROWS = 0.004, 2.0
+_BAR_M, _BEYOND_SHARE = 0.06, 0.1
+"""A bar's usual width at most, and the share of points beyond a face from which the face is an inner bar's."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -281,7 +284,7 @@ def _shape(
     if plane.sigma_m > _NOISY_M or span is not None:
         plane, near = _refit(near, plane, extent)
     sampling = Sampling(plane.sigma_m, plane.spacing_m)
-    finder = _Finder(near, sampling, band_m, params)
+    finder = _Finder(near, sampling, band_m, params, surface.is_barred)
     half_m = chain.lengths_m[k] / 2.0
     is_wide = w_high - w_low > 1.5 * chain.lengths_m[k]
     front_span = (-half_m, half_m) if is_wide and not (k == 0 and chain.base is None) else (w_low, w_high)
@@ -472,6 +475,7 @@ class _Finder:
     sampling: Sampling
     band_m: float
     params: SurveyParams
+    is_barred: bool = False
 
     def edge(
         self,
@@ -529,6 +533,11 @@ class _Finder:
             half = "below"
         extent = whole if half == "all" else find_extent_edge(*surface, span, guess[0], self.sampling, half, is_square)
         face = down if half == "above" else up
+        if self.is_barred:
+            extent = find_rim_edge(out[flat], along[flat], span, guess_m, self.sampling.sigma_m, is_square)
+            # Every bar has faces, along the edge and square to it: one is the edge's where the outermost bar ends.
+            is_edge = face is not None and face.purity >= _LEAST_PURITY
+            face = face if face is not None and is_edge and not _goes_on_beyond(face, out[flat], along[flat]) else None
         chosen = self._choose(extent, face, middle)
         if chosen is not None and chosen.source == "tread" and self._is_obstructed(out, offset, chosen.at(middle)):
             noise_m = math.hypot(chosen.noise_m, _OBSTRUCTED_M)
@@ -588,6 +597,14 @@ class _Finder:
         # points, a little above the plane where another station stood higher, may seem to be the tread's last.
         inside = _FACE_INSIDE_M + _FACE_ROWS * self.sampling.spacing_m + _BAND_SIGMA * noise
         return face if -inside <= apart <= doubt else extent
+
+
+def _goes_on_beyond(face: EdgeLine, out: Floats, along: Floats) -> bool:
+    """Return whether a surface has points beyond a face of its own, as a tread of bars has: then it is no edge's."""
+    beyond = out - face.middle_m - face.slope * (along - face.along_m)
+    past = _FACE_REACH_M / 2.0 + _BAND_SIGMA * face.noise_m
+    n_beyond = np.count_nonzero((beyond > past) & (beyond <= _BAR_M))
+    return bool(n_beyond > _BEYOND_SHARE * np.count_nonzero((beyond > -_BAR_M) & (beyond <= 0.0)))
 
 
 def _with_back(shape: StepShape, finder: _Finder, above: StepShape | None, rise_m: float) -> StepShape:

@@ -338,11 +338,11 @@ def _describe(horizontal: Horizontal, plane: _CellPlane, level_id: int, cell_m: 
         centre_m=freeze(plane.centre),
         slope=freeze(plane.slope),
         sigma_m=plane.sigma_m,
-        plane=_plane_of(horizontal, part.rows),
+        plane=plane_of_rows(horizontal, part.rows),
     )
 
 
-def _plane_of(horizontal: Horizontal, rows: Ints) -> PlaneFit:
+def plane_of_rows(horizontal: Horizontal, rows: Ints) -> PlaneFit:
     """Return the SVD plane of some rows in local scan axes (step 8 of the paper, for a patch)."""
     fit, _ = fit_plane_rows(horizontal.coordinates_m.take(rows, axis=1), np.array([0.0, 0.0, 1.0]))
     turn = horizontal.level_from_scan.T

@@ -1,0 +1,386 @@
+"""Which surfaces are treads of bars? Gratings and planks: their points lie at one height, their normals do not say so.
+
+Where the neighbours from which a normal is estimated reach over a bar's edges, few points of its top seem level, and
+what is left of a tread falls into crumbs. But seen from the side the tops are one line: many points at one height, and
+few just above and below it.
+"""
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+
+from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
+from stair_inspector.geometry.clusters import cluster_cells
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.model import HeightOrder, Horizontal, Patches, Surface
+from stair_inspector.stages.patches import fit_trimmed, plane_of_rows
+
+_COLUMN_M = 0.12
+"""Side of the columns of plan in which points are counted by height: a bar of 60 mm and a gap of 60 mm fit into it."""
+_BIN_M = 0.005
+_LARGEST_TABLE = 30_000_000
+_FEWEST_IN_PEAK = 8
+_PEAK = 1.5
+"""So many times as many points as just above and just below are the top of something."""
+_CHANCE = 2.0
+"""The same in standard deviations of a count: of few points, some lie at one height by chance."""
+_NOT_LEVEL = 0.25
+"""Share of the points at one height that do not seem level from which they may be bars: on whole treads only the rim's
+are none."""
+_BAND_M = 0.008
+_BAR_M = 0.15
+"""A piece that is wider is no bar: two of them side by side are two surfaces."""
+_GAP_M, _RHYTHM = 0.105, 1.6
+"""Widest gap between bars; and how much wider than the usual gap of their tread: beyond, another tread begins."""
+_NARROW = 2.2
+"""Cells from middle to middle over a gap of one empty cell."""
+_BESIDE = 0.5
+"""Share of the shorter of two bars along which they must lie beside each other: end to end they are two treads'."""
+_WHOLE_SHARE = 0.9
+"""A surface that covers so much of what the points at its height cover is not in pieces."""
+_SWALLOWED = 0.5
+_TRIM_SIGMA, _LEAST_SIGMA_M, _ROUNDS = 2.5, 0.0005, 3
+_SAME_HEIGHT_M = 0.012
+_MOST_PIECES, _MOST_TO_FIT = 400, 4000
+
+
+def join_bars(
+    heights: HeightOrder, horizontal: Horizontal, patches: Patches, least_area_m2: float
+) -> tuple[Horizontal, Patches]:
+    """Put the bars of every tread together, with those of their points whose normals are spoilt.
+
+    Parameters
+    ----------
+    heights : HeightOrder
+        All points.
+    horizontal, patches
+        The upright ones among them, and their surfaces.
+    least_area_m2 : float
+        Smallest area of a tread.
+
+    Returns
+    -------
+    horizontal, patches
+        The same objects where no tread is in bars; else with the bars' points among the horizontal ones.
+    """
+    if not len(horizontal.point_ids) or not patches.surfaces:
+        return horizontal, patches
+    is_level = np.zeros(heights.n_scan, dtype=np.bool_)
+    is_level[horizontal.point_ids] = True
+    is_level = is_level[heights.point_ids]
+    peaks = _find_peaks(heights.coordinates_m, is_level)
+    if peaks is None:
+        return horizontal, patches
+    found = []
+    for rows in _points_at_peaks(heights.coordinates_m, peaks):
+        found += _treads_of(heights, rows, patches, least_area_m2)
+    return _with_treads(heights, horizontal, is_level, patches, found) if found else (horizontal, patches)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Peaks:
+    """Columns of plan that hold a peak: group, column and row (3, p) and height (p,); corner of the columns (2,)."""
+
+    places: Ints
+    height_m: Floats
+    low: Floats
+
+
+def _find_peaks(coordinates: Floats, is_level: Bools) -> _Peaks | None:
+    """Return the peaks in which many points do not seem level, grouped where they touch at one height."""
+    low = coordinates.min(axis=1)
+    low[:2] -= _COLUMN_M
+    n_columns, n_rows = (int(size / _COLUMN_M) + 2 for size in (coordinates[:2].max(axis=1) - low[:2]))
+    # Room above and below, so that windows of one column do not reach into the next.
+    n_bins = int((coordinates[2, -1] - low[2]) / _BIN_M) + 9
+    if n_columns * n_rows * n_bins > _LARGEST_TABLE:
+        return None
+    keys = ((coordinates[0] - low[0]) / _COLUMN_M).astype(np.int64) * n_rows
+    keys += ((coordinates[1] - low[1]) / _COLUMN_M).astype(np.int64)
+    keys *= n_bins
+    keys += ((coordinates[2] - low[2]) / _BIN_M).astype(np.int64) + 4
+    size = n_columns * n_rows * n_bins
+    slanting = np.bincount(keys[~is_level], minlength=size)
+    every = slanting + np.bincount(keys[is_level], minlength=size)
+    first = np.flatnonzero(every >= _FEWEST_IN_PEAK // 2)
+    # The lower of the two bins of a window may be the empty one.
+    first = np.union1d(first, first - 1)
+    here = every[first] + every[first + 1]
+    others = np.maximum(every[first - 2] + every[first - 1], every[first + 2] + every[first + 3])
+    is_peak = (here >= _FEWEST_IN_PEAK) & (here >= _PEAK * others + _CHANCE * np.sqrt(others))
+    # Of two windows that overlap the fuller one.
+    is_peak &= (every[first] >= every[first + 2]) & (every[first + 1] >= every[first - 1])
+    first = first[is_peak]
+    if not len(first):
+        return None
+    column, bin_ = np.divmod(first, n_bins)
+    places = np.stack([np.zeros(len(first), dtype=np.int64), *np.divmod(column, n_rows)])
+    weights = np.stack([every[first], every[first + 1]]).astype(np.float64)
+    height = low[2] + _BIN_M * (bin_ - 4 + 0.5 + weights[1] / weights.sum(axis=0))
+    not_level = (slanting[first] + slanting[first + 1]).astype(np.float64)
+    places, height = _grouped(places, height, not_level, weights.sum(axis=0))
+    return _Peaks(places, height, low[:2]) if len(height) else None
+
+
+def _grouped(places: Ints, height_m: Floats, not_level: Floats, counts: Floats) -> tuple[Ints, Floats]:
+    """Return the peaks of groups, columns that touch and hold peaks of about one height, many of whose points slant."""
+    order = np.argsort(height_m, kind="stable")
+    places, height_m, not_level, counts = places[:, order], height_m[order], not_level[order], counts[order]
+    # Heights far enough apart are never one surface's; within a layer a column has one peak.
+    layer = np.concatenate([[0], np.cumsum(np.diff(height_m) > 2.0 * _BIN_M)])
+    size = places.max(axis=1, initial=0) + 1
+    _, kept = np.unique((layer * size[1] + places[1]) * size[2] + places[2], return_index=True)
+    keys = np.stack([layer, places[1], places[2]])[:, kept]
+    height_m, not_level, counts = height_m[kept], not_level[kept], counts[kept]
+    labels = cluster_cells(keys, height_m / (2.0 * _BIN_M), np.ones(len(height_m), dtype=np.int64), 2)
+    shares = np.bincount(labels + 1, not_level) / np.maximum(np.bincount(labels + 1, counts), 1.0)
+    is_barred = shares >= _NOT_LEVEL
+    is_barred[0] = False
+    number = np.cumsum(is_barred) - 1
+    is_kept = is_barred[labels + 1]
+    return np.stack([number[labels + 1], keys[1], keys[2]])[:, is_kept], height_m[is_kept]
+
+
+def _points_at_peaks(coordinates: Floats, peaks: _Peaks) -> list[Ints]:
+    """Return for each group the points at its height, in its columns and those around it."""
+    found = []
+    for group in range(int(peaks.places[0].max(initial=-1)) + 1):
+        own = peaks.places[0] == group
+        columns, height = peaks.places[1:, own], peaks.height_m[own]
+        spread = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
+        # The nearest column's own peak last, so that its height stands.
+        spread = spread[np.argsort(-np.abs(spread).sum(axis=1), kind="stable")]
+        first = columns.min(axis=1) - 1
+        shape = columns.max(axis=1) - first + 2
+        table = np.full((int(shape[0]), int(shape[1])), np.nan)
+        for step in spread:
+            at = columns - first[:, None] + step[:, None]
+            table[at[0], at[1]] = height
+        z = coordinates[2]
+        start, stop = np.searchsorted(z, (float(height.min()) - _BAND_M, float(height.max()) + _BAND_M))
+        near = coordinates[:, start:stop]
+        column = ((near[0] - peaks.low[0]) / _COLUMN_M).astype(np.int64) - first[0]
+        row = ((near[1] - peaks.low[1]) / _COLUMN_M).astype(np.int64) - first[1]
+        is_in = (column >= 0) & (column < table.shape[0]) & (row >= 0) & (row < table.shape[1])
+        inside = np.flatnonzero(is_in)
+        off = np.abs(near[2, inside] - table[column[inside], row[inside]])
+        found.append(start + inside[off <= _BAND_M])
+    return [rows for rows in found if len(rows)]
+
+
+def _treads_of(heights: HeightOrder, rows: Ints, patches: Patches, least_area_m2: float) -> list[Ints]:
+    """Return the points of each tread that the points of one height form and that no surface covers as a whole."""
+    cell_m = patches.cell_m
+    points = heights.coordinates_m[:, rows]
+    if _is_covered(points[:2], float(np.median(points[2])), patches):
+        return []
+    rows = _on_plane(heights.coordinates_m, rows)
+    if len(rows) < _FEWEST_IN_PEAK:
+        return []
+    plan = heights.coordinates_m[:2, rows]
+    low = plan.min(axis=1)
+    column, row = ((plan - low[:, None]) / cell_m).astype(np.int64)
+    n_rows = int(row.max()) + 1
+    keys, of = np.unique(column * n_rows + row, return_inverse=True)
+    cells = np.stack(np.divmod(keys, n_rows))
+    counts = np.bincount(of)
+    places = np.stack([np.zeros(cells.shape[1], dtype=np.int64), *cells])
+    wanted = int(max(3.0, 0.3 * float(np.median(counts))))
+    labels = cluster_cells(places, np.zeros(cells.shape[1]), counts, wanted)
+    if labels.max(initial=-1) < 0 or labels.max() >= _MOST_PIECES:
+        return []
+    group_of = _join_pieces((cells + 0.5) * cell_m, labels, cell_m)
+    result = []
+    for group in np.unique(group_of[group_of >= 0]):
+        is_own = group_of == group
+        places_m = (cells[:, is_own] + 0.5) * cell_m + low[:, None]
+        mine = rows[is_own[of]]
+        height_m = float(np.median(heights.coordinates_m[2, mine]))
+        is_large = np.count_nonzero(is_own) * cell_m**2 >= least_area_m2 and _sides(places_m)[1] >= 0.1
+        if is_large and not _is_covered(places_m, height_m, patches):
+            result.append(mine)
+    return result
+
+
+def _on_plane(coordinates: Floats, rows: Ints) -> Ints:
+    """Return those of some points that lie on the plane of the bars' tops; their sides hang below it.
+
+    What is noise shows above the plane alone: the points below it within the same distance belong to it too.
+    """
+    # Thousands of points give the plane as well as tens of thousands.
+    points = coordinates[:, rows[:: -(-len(rows) // _MOST_TO_FIT)]]
+    slope, centre, _ = fit_trimmed(points)
+    reach_m = 0.0
+    for _ in range(_ROUNDS):
+        off = points[2] - centre[2] - slope @ (points[:2] - centre[:2, None])
+        top = _fullest(off)
+        above = off[off > top] - top
+        sigma_m = max(MAD_TO_SIGMA * float(np.median(above)) if len(above) else 0.0, _LEAST_SIGMA_M)
+        reach_m = _TRIM_SIGMA * sigma_m
+        kept = np.abs(off - top) <= reach_m
+        if np.count_nonzero(kept) < _FEWEST_IN_PEAK:
+            break
+        slope, centre, _ = fit_trimmed(points[:, kept])
+    every = coordinates[:, rows]
+    is_top: Bools = np.abs(every[2] - centre[2] - slope @ (every[:2] - centre[:2, None])) <= reach_m
+    return rows[is_top]
+
+
+def _fullest(values: Floats) -> float:
+    """Return where values are densest: the middle of the shortest interval that holds a quarter of them."""
+    ordered = np.sort(values)
+    n = max(2, len(ordered) // 4)
+    start = int(np.argmin(ordered[n - 1 :] - ordered[: len(ordered) - n + 1]))
+    return float(np.median(ordered[start : start + n]))
+
+
+def _join_pieces(places_m: Floats, labels: Ints, cell_m: float) -> Ints:
+    """Return the group of each cell: bars that lie beside each other, and pieces that are wide enough by themselves."""
+    n = int(labels.max()) + 1
+    pieces = [places_m[:, labels == k] for k in range(n)]
+    is_bar = [_sides(piece)[1] + cell_m < _BAR_M for piece in pieces]
+    reach = _GAP_M + cell_m
+    pairs = []
+    for i in range(n):
+        for j in range(i):
+            gap_m = _gap_between(pieces[i], pieces[j], reach)
+            # Gaps hardly wider than a cell are seen here and there only: what they part may be several bars.
+            if gap_m <= (reach if is_bar[i] or is_bar[j] else _NARROW * cell_m):
+                pairs.append((i, j, gap_m))
+    nearest = np.full(n, np.inf)
+    for i, j, gap_m in pairs:
+        nearest[[i, j]] = np.minimum(nearest[[i, j]], gap_m)
+    usual_m = float(np.median(nearest[np.isfinite(nearest)])) if pairs else 0.0
+    group = np.arange(n)
+    for i, j, gap_m in pairs:
+        # Either end of a gap is known to a cell.
+        if gap_m <= _RHYTHM * usual_m + 2.0 * cell_m:
+            group[group == group[i]] = group[j]
+    return np.where(labels >= 0, group[np.maximum(labels, 0)], -1)
+
+
+def _gap_between(a: Floats, b: Floats, reach: float) -> float:
+    """Return how far apart two pieces are that lie side by side; infinite for others, as for those end to end."""
+    if (a.min(axis=1) > b.max(axis=1) + reach).any() or (b.min(axis=1) > a.max(axis=1) + reach).any():
+        return float("inf")
+    longer, shorter = (a, b) if _sides(a)[0] >= _sides(b)[0] else (b, a)
+    axis = _axis(longer)
+    # Of several bars that hang together the longer side may be across them.
+    is_bar = _sides(longer)[1] < _BAR_M
+    if not any(_face_each_other(longer, shorter, way) for way in (axis, np.array([-axis[1], axis[0]]))[: 2 - is_bar]):
+        return float("inf")
+    return float(np.hypot(*(a[:, :, None] - b[:, None, :])).min())
+
+
+def _face_each_other(longer: Floats, shorter: Floats, axis: Floats) -> bool:
+    """Return whether two pieces lie beside each other along most of the shorter one's extent in a direction."""
+    (low, high), (start, stop) = (
+        (float((axis @ each).min()), float((axis @ each).max())) for each in (longer, shorter)
+    )
+    return min(high, stop) - max(low, start) >= _BESIDE * (stop - start)
+
+
+def _axis(places_m: Floats) -> Floats:
+    """Return the direction in which cells extend farthest."""
+    shift = places_m - places_m.mean(axis=1)[:, None]
+    axis: Floats = np.linalg.eigh(np.einsum("in,jn->ij", shift, shift))[1][:, 1]
+    return axis
+
+
+def _sides(places_m: Floats) -> tuple[float, float]:
+    """Return how long and how wide cells extend, from middle to middle."""
+    axis = _axis(places_m)
+    across = np.array([-axis[1], axis[0]])
+    return float(np.ptp(axis @ places_m)), float(np.ptp(across @ places_m))
+
+
+def _is_covered(places_m: Floats, height_m: float, patches: Patches) -> bool:
+    """Return whether one surface covers most of some cells at its height."""
+    side_m = 2.0 * patches.cell_m
+    own = _plan_keys(places_m, side_m)
+    low, high = places_m.min(axis=1), places_m.max(axis=1)
+    for surface in patches.surfaces:
+        inside = ((surface.cells_m >= low[:, None] - side_m) & (surface.cells_m <= high[:, None] + side_m)).all(axis=0)
+        if not inside.any():
+            continue
+        cells = surface.cells_m[:, inside]
+        expected = surface.centre_m[2] + surface.slope @ (cells.mean(axis=1) - surface.centre_m[:2])
+        is_same = abs(float(expected) - height_m) <= _SAME_HEIGHT_M
+        if is_same and np.isin(own, _plan_keys(cells, side_m)).mean() >= _WHOLE_SHARE:
+            return True
+    return False
+
+
+def _plan_keys(places_m: Floats, side_m: float) -> Ints:
+    cells = np.floor(places_m / side_m).astype(np.int64)
+    return np.unique(cells[0] * 2**32 + cells[1])
+
+
+def _with_treads(
+    heights: HeightOrder, horizontal: Horizontal, is_level: Bools, patches: Patches, found: list[Ints]
+) -> tuple[Horizontal, Patches]:
+    """Put treads, given by their places in the order by height, in the place of the crumbs that were seen of them."""
+    is_kept = is_level.copy()
+    for rows in found:
+        is_kept[rows] = True
+    ids = np.flatnonzero(is_kept)
+    wider = dataclasses.replace(
+        horizontal,
+        point_ids=freeze(heights.point_ids.take(ids)),
+        coordinates_m=freeze(heights.coordinates_m.take(ids, axis=1)),
+    )
+    # Where each point is now, of all and of those that were horizontal before.
+    place = np.cumsum(is_kept) - 1
+    before = place[np.flatnonzero(is_level)]
+    tread_of = np.full(len(ids), -1, dtype=np.int64)
+    for number, rows in enumerate(found):
+        tread_of[place[rows]] = number
+    kept: list[Surface] = []
+    levels: dict[int, int] = {}
+    for surface in patches.surfaces:
+        rows = before[surface.rows]
+        inside = tread_of[rows]
+        if np.count_nonzero(inside >= 0) >= _SWALLOWED * len(rows):
+            for number in np.unique(inside[inside >= 0]):
+                levels.setdefault(int(number), surface.level_id)
+        else:
+            tread_of[rows] = -1
+            kept.append(dataclasses.replace(surface, rows=freeze(rows)))
+    by_height = sorted(patches.surfaces, key=lambda surface: surface.height_m)
+    for number in range(len(found)):
+        rows = np.flatnonzero(tread_of == number)
+        if len(rows) < _FEWEST_IN_PEAK:
+            continue
+        z = float(np.median(wider.coordinates_m[2, rows]))
+        nearest = min(by_height, key=lambda surface: abs(surface.height_m - z)).level_id
+        kept.append(surface_of_rows(wider, rows, levels.get(number, nearest), patches.cell_m, True))
+    ordered = sorted(kept, key=lambda surface: (surface.level_id, surface.height_m))
+    return wider, Patches(tuple(ordered), patches.cell_m)
+
+
+def surface_of_rows(
+    horizontal: Horizontal, rows: Ints, level_id: int, cell_m: float, is_barred: bool = False
+) -> Surface:
+    """Return the surface that some horizontal points form, ascending ``rows``, on plan cells of its own."""
+    points = horizontal.coordinates_m[:, rows]
+    low = points[:2].min(axis=1)
+    column, row = ((points[:2] - low[:, None]) / cell_m).astype(np.int64)
+    keys = column * (int(row.max()) + 1) + row
+    counts = np.bincount(keys)
+    cells = np.flatnonzero(counts)
+    means = np.stack([np.bincount(keys, axis)[cells] / counts[cells] for axis in points])
+    is_full = counts[cells] >= 0.3 * np.median(counts[cells])
+    slope, centre, sigma_m = fit_trimmed(means[:, is_full])
+    return Surface(
+        level_id=level_id,
+        rows=freeze(rows),
+        cells_m=freeze(means[:2].copy()),
+        area_m2=len(cells) * cell_m * cell_m,
+        height_m=float(centre[2]),
+        centre_m=freeze(centre),
+        slope=freeze(slope),
+        sigma_m=sigma_m,
+        plane=plane_of_rows(horizontal, rows),
+        is_barred=is_barred,
+    )
