@@ -1,6 +1,6 @@
 """The recipe: from a scan and settings to an inspection."""
 
-import dataclasses
+from dataclasses import replace
 from typing import Any
 
 from stair_inspector.memo import Memo
@@ -62,8 +62,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     heights, is_sparse = spaced.heights, spaced.is_sparse
     horizontal = memo.run("horizontal", find.select_horizontal, heights, params.horizontal)
     fitted = Fitted(params.levels, params.patches)
-    if is_sparse:
-        fitted = memo.run("spacing", follow_spacing, horizontal, params.levels, params.patches)
+    fitted = memo.run("spacing", follow_spacing, horizontal, fitted.levels, fitted.patches) if is_sparse else fitted
     reach = memo.run("reach", find.find_height_reach, horizontal, params.levels.eps_m)
     levels = memo.run("levels", find.find_levels, horizontal, reach, fitted.levels)
     surfaces = memo.run("surfaces", treads.fit_surfaces, horizontal, levels)
@@ -79,8 +78,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     found = conclude(scan, params, examined, up, *of_paper, dict(memo.timings_s))
     if params.method == "paper":
         return found
-    observations = with_questions((*found.examination, *fitted.observations), params.uncertainty)
-    found = dataclasses.replace(found, examination=observations)
+    found = replace(found, examination=with_questions((*found.examination, *fitted.observations), params.uncertainty))
     spread = memo.run("dither", spread_steps, scan, examined, heights, horizontal, levels)
     heights, horizontal, levels = spread.heights, spread.horizontal, spread.levels
     patches = memo.run("patches", split_levels, horizontal, levels, fitted.patches, fitted.levels)
@@ -97,5 +95,5 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
     if not concluded.steps and not is_hopeless:
         tried = memo.run("suggested", try_suggested, heights, is_sparse, params, forced)
-        concluded = say_tried(concluded, tried, dict(memo.timings_s))
+        return withhold(say_tried(concluded, tried, dict(memo.timings_s)))
     return withhold(concluded)

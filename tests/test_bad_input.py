@@ -193,8 +193,10 @@ def test_an_output_folder_that_may_not_be_written(refused, monkeypatch):
 
 
 def test_settings_that_make_too_many_levels(refused):
-    # A slope of 45 degrees, sampled in 510 rows.
-    row, place = (grid.ravel() for grid in np.meshgrid(np.arange(510) * 0.05, np.arange(6) * 0.05, indexing="ij"))
+    # A slope of 45 degrees, sampled in 510 rows that lie on no lattice.
+    rng = np.random.default_rng(1)
+    row = np.repeat(np.arange(510) * 0.05 + rng.uniform(-0.02, 0.02, 510), 6)
+    place = rng.uniform(0.0, 0.3, len(row))
     refused(
         cloud(np.column_stack([row, place, row])),
         *("--levels.eps-m", "0.001", "--levels.min-points", "1", "--horizontal.theta-deg", "60"),

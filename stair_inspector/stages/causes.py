@@ -26,6 +26,7 @@ from stair_inspector.params import METRES_PER_UNIT, FlightsParams, Params, knob_
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.examine import POINTS_PER_TREAD, TREAD_M2, examine, size_text
 from stair_inspector.stages.flights import find_chains
+from stair_inspector.stages.orient import LEAST_POINTS
 from stair_inspector.stages.rejects import Forced, lean_deg, narrow_side, plan_keys
 
 Measure = TypeVar("Measure", bound=Callable[..., Any])
@@ -100,7 +101,9 @@ def with_cause(measure: Measure) -> Measure:
         try:
             return measure(scan, params, *args, **kwargs)
         except CannotMeasure as error:
-            hopeless = _why_hopeless(scan, examine(scan).observations, params.flights)
+            # Too few points to examine: the error says it already.
+            is_known = len(scan.points) >= LEAST_POINTS
+            hopeless = _why_hopeless(scan, examine(scan).observations, params.flights) if is_known else None
             if hopeless is None:
                 raise
             raise CannotMeasure(f"{scan.name}: {hopeless}") from error

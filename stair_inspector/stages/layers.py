@@ -26,6 +26,8 @@ _MOST_BETWEEN = 0.065
 """Share of the points in the middle fifth between two layers; evenly spread points have 0.1."""
 _SAME_PLACE_M = 0.025
 """Two layers lie over each other; a skirting board lies beside the wall that it stands before."""
+_OVER_EACH_OTHER = 1.0
+"""The same as a share of the lesser extent (1 sigma): the front of a nosing stands above the riser, not over it."""
 _FEWEST_CELLS = 10
 _LEAST_SHARE = 0.2
 _AGREEING = 0.6
@@ -193,10 +195,15 @@ class _Cells:
         is_low = place < low[number]
         sums_low = np.stack([np.bincount(number[is_low], row[is_low], len(counts)) for row in plan])
         sums_all = np.stack([np.bincount(number, row, len(counts)) for row in plan])
-        aside = np.abs(sums_low / low - (sums_all - sums_low) / high).max(axis=0)
+        squares_low = np.stack([np.bincount(number[is_low], row[is_low] ** 2, len(counts)) for row in plan])
+        squares_all = np.stack([np.bincount(number, row**2, len(counts)) for row in plan])
+        mean_low, mean_high = sums_low / low, (sums_all - sums_low) / high
+        spread = np.minimum(squares_low / low - mean_low**2, (squares_all - squares_low) / high - mean_high**2)
+        aside = np.abs(mean_low - mean_high)
+        is_over = (aside <= _SAME_PLACE_M) & (aside <= _OVER_EACH_OTHER * np.sqrt(np.maximum(spread, 0.0)))
         off_centre = np.abs(r - 0.5 * (centre_low + centre_high)[number])
         between = np.bincount(number[off_centre <= 0.1 * apart[number]], minlength=len(counts)) / counts
-        is_double = (apart >= _LEAST_RATIO * scatter) & (between <= _MOST_BETWEEN) & (aside <= _SAME_PLACE_M)
+        is_double = (apart >= _LEAST_RATIO * scatter) & (between <= _MOST_BETWEEN) & is_over.all(axis=0)
         return _Split(apart, is_double, middle)
 
 

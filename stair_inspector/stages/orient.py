@@ -23,7 +23,7 @@ from stair_inspector.stages.readings import (
     thin,
 )
 
-_MIN_POINTS = 50
+LEAST_POINTS = 50
 """Below this a scan has no surface to speak of."""
 _MAX_FLOOR_CANDIDATES = 6
 _POINTS_TO_COMPARE = 150_000
@@ -74,10 +74,10 @@ def find_normals(scan: Scan, params: NormalsParams) -> Normals:
     ConfigError
         Given normals are asked for and the file has none.
     """
-    if len(scan.points) < _MIN_POINTS:
+    if len(scan.points) < LEAST_POINTS:
         count = len(scan.points)
         raise CannotMeasure(
-            f"{scan.name}: {count} distinct point{'' if count == 1 else 's'}, at least {_MIN_POINTS} are needed; "
+            f"{scan.name}: {count} distinct point{'' if count == 1 else 's'}, at least {LEAST_POINTS} are needed; "
             "scan again or check the file"
         )
     if spread_rank(scan.points) < 2:
@@ -245,7 +245,7 @@ def _find_planes(points: Floats, distance_m: float, wanted: int) -> list[PlaneFi
     rest = points
     while len(planes) < wanted:
         rest = rest[np.abs((rest - planes[-1].centroid) @ _normal(planes[-1])) > distance_m]
-        if len(rest) < _CANDIDATE_SHARE * planes[0].n_points or len(rest) < _MIN_POINTS or spread_rank(rest) < 2:
+        if len(rest) < _CANDIDATE_SHARE * planes[0].n_points or len(rest) < LEAST_POINTS or spread_rank(rest) < 2:
             break
         plane = find_plane_ransac(rest, distance_m)
         if plane.n_points < _CANDIDATE_SHARE * planes[0].n_points:
@@ -267,7 +267,7 @@ def _planes_of_normals(points: Floats, normals: Floats, known: list[PlaneFit], d
     is_free = np.ones(len(folded), dtype=np.bool_)
     for _ in range(_NORMAL_MODES):
         some = folded[is_free][:: max(1, int(np.count_nonzero(is_free)) // _NORMAL_SEEDS)]
-        if len(some) < _MIN_POINTS:
+        if len(some) < LEAST_POINTS:
             break
         votes = np.count_nonzero(np.abs(np.einsum("ik,jk->ij", seeds, some)) >= cosine, axis=1)
         middle = seeds[int(np.argmax(votes))]
@@ -278,14 +278,14 @@ def _planes_of_normals(points: Floats, normals: Floats, known: list[PlaneFit], d
         if any(abs(float(_normal(plane) @ middle)) >= cosine for plane in (*known, *found)):
             continue
         heights = np.sort(project(points[faces].T, middle))
-        clusters = cluster_sorted(find_reach(heights, _LEVEL_EPS_M), _MIN_POINTS)
+        clusters = cluster_sorted(find_reach(heights, _LEVEL_EPS_M), LEAST_POINTS)
         if not len(clusters.start):
             continue
         largest = int(np.argmax(clusters.stop - clusters.start))
         low, high = heights[clusters.start[largest]], heights[clusters.stop[largest] - 1]
         along = project(points.T, middle)
         level = points[faces & (along >= low) & (along <= high)]
-        if len(level) >= _MIN_POINTS and spread_rank(level) >= 2:
+        if len(level) >= LEAST_POINTS and spread_rank(level) >= 2:
             plane = fit_plane(level, middle)
             if plane.normal is not None:
                 found.append(_fitted_to_all(points, plane, distance_m))
@@ -310,8 +310,8 @@ def _find_support(points: Floats, normals: Floats, plane: PlaneFit, max_rise_m: 
     middles: list[Floats] = []
     n_large = 0
     # What the largest levels leave is searched again: the share that makes a level is one of the rest.
-    while len(heights) >= _MIN_POINTS:
-        wanted = max(_MIN_POINTS, int(_LEVEL_SHARE * len(heights)))
+    while len(heights) >= LEAST_POINTS:
+        wanted = max(LEAST_POINTS, int(_LEVEL_SHARE * len(heights)))
         clusters = cluster_sorted(find_reach(heights, _LEVEL_EPS_M), wanted)
         if not len(clusters.start):
             break

@@ -139,7 +139,7 @@ def question_of(readings: list[Reading]) -> Observation | None:
         "up_unsure",
         "question",
         f"the stair can be read in two ways: {texts[0]}; or {texts[1]}",
-        cure=f"--up={name_of(first.up)}",
+        cure=f"--up={name_of(first.up)} or --up={name_of(second.up)}",
     )
 
 

@@ -6,6 +6,10 @@ from stair_inspector.model import Note
 from stair_inspector.stages.withhold import ANSWERED_BY
 
 _ON_THE_PAGE = (
+    ("give another up direction, as --up z", "set another Up on the Scan tab, as z"),
+    ("give --up=", "set Up on the Scan tab to "),
+    ("give --up if it is not", "correct Up on the Scan tab if it is not"),
+    ("give --unit ", "set Unit of the file on the Scan tab to "),
     ("state the unit with --unit", "set Unit of the file on the Scan tab"),
     ("give the up direction, for example --up z", "set Up on the Scan tab, for example z"),
     ("give --up -z if the scan's z axis points down", "set Up on the Scan tab to -z if the scan's z axis points down"),
