@@ -37,8 +37,8 @@ _NARROW = 2.2
 """Cells from middle to middle over a gap of one empty cell."""
 _BESIDE = 0.5
 """Share of the shorter of two bars along which they must lie beside each other: end to end they are two treads'."""
-_WHOLE_SHARE = 0.9
-"""A surface that covers so much of what the points at its height cover is not in pieces."""
+_WHOLE_SHARE = 0.6
+"""A surface that covers most of what the points at its height cover is not in pieces, whatever noise frays it."""
 _SWALLOWED = 0.5
 _TRIM_SIGMA, _LEAST_SIGMA_M, _ROUNDS = 2.5, 0.0005, 3
 _SAME_HEIGHT_M = 0.012
