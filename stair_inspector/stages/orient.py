@@ -18,6 +18,7 @@ from stair_inspector.stages.readings import (
     is_same_way,
     is_view,
     question_of,
+    question_of_camera,
     read_rhythm,
     side_of_sensor,
     thin,
@@ -174,7 +175,11 @@ def find_up(
             f"{support[chosen].n_steps} steps"
         )
         notes = (Note("floor_not_largest", "orient", message), *notes)
-    return Up(own(vector, (3,), "up"), "floor", notes=notes, observations=_asked(readings))
+    asked = _asked(readings)
+    if is_camera and not readings:
+        question = question_of_camera(thinned.points, vector)
+        asked = () if question is None else (question,)
+    return Up(own(vector, (3,), "up"), "floor", notes=notes, observations=asked)
 
 
 def _asked(readings: list[Reading]) -> tuple[Observation, ...]:

@@ -38,6 +38,7 @@ _FLOOR_LEAST, _FLOOR_MOST = -0.5, 1.5
 _FLOOR_START = 200.0
 _SENSOR_WEIGHT = 5.0
 _LOOKS_DOWN_DEG = 35.0
+_LOOKS_STEEPLY_DEG = 55.0
 _LOOKS_STRAIGHT_DOWN = -4.0
 """Cameras look ahead, or some way down: what a camera that looks straight down weighs."""
 _CONE_DEG = 62.0
@@ -143,6 +144,33 @@ def question_of(readings: list[Reading]) -> Observation | None:
     )
 
 
+def question_of_camera(points: Floats, up: Floats) -> Observation | None:
+    """Return the question which way is up, where a camera's view shows no rhythm and would look straight down or up.
+
+    Parameters
+    ----------
+    points : (n, 3)
+        Taken from the origin.
+    up : (3,)
+        What would be taken.
+    """
+    if _looks_down_deg(points, up) <= _LOOKS_STEEPLY_DEG:
+        return None
+    return Observation(
+        "up_unsure",
+        "question",
+        f"a camera took this scan, and with up along {name_of(up)} it would have looked straight up or down; treads "
+        "and risers may have changed places",
+        cure=f"--up={name_of(up)}",
+    )
+
+
+def _looks_down_deg(points: Floats, up: Floats) -> float:
+    """Return by how much a camera at the origin looks down or up, degrees."""
+    look = points.mean(axis=0)
+    return abs(math.degrees(math.asin(float(np.clip(look @ up / np.linalg.norm(look), -1.0, 1.0)))))
+
+
 def name_of(up: Floats) -> str:
     """Return a direction as ``--up`` takes it: the name of an axis, or three numbers."""
     for name, axis in NAMED_UP.items():
@@ -216,8 +244,7 @@ def _as_camera(scan: Thinned, lattice: Lattice) -> float:
         ]
     )
     seen = float(sides.mean()) if len(sides) else 0.0
-    look = scan.points.mean(axis=0)
-    down_deg = abs(math.degrees(math.asin(float(np.clip(-(look @ lattice.up) / np.linalg.norm(look), -1.0, 1.0)))))
+    down_deg = _looks_down_deg(scan.points, lattice.up)
     straight = max(0.0, down_deg - _LOOKS_DOWN_DEG) / (90.0 - _LOOKS_DOWN_DEG)
     return _SENSOR_WEIGHT * seen + _LOOKS_STRAIGHT_DOWN * straight
 

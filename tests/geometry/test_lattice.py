@@ -81,9 +81,9 @@ def test_what_has_no_rhythm_of_two_families_has_no_lattice(stair):
 
 
 def test_a_scan_that_is_shallower_than_the_longest_step_has_no_lattice():
-    # A board of 100 mm before a wall.
+    # A board of 60 mm before a wall.
     rng = np.random.default_rng(5)
-    board = rng.uniform(0.0, 1.0, (1000, 3)) * [0.1, 0.5, 0.0]
+    board = rng.uniform(0.0, 1.0, (1000, 3)) * [0.06, 0.5, 0.0]
     wall = rng.uniform(0.0, 1.0, (4000, 3)) * [0.0, 0.5, 1.0]
     normals = np.repeat([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]], (1000, 4000), axis=0)
     assert find_lattices(np.concatenate([board, wall]), normals, RISES_M) == []
