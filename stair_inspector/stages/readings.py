@@ -30,6 +30,11 @@ _AIR_FACTOR, _AIR_MOST = 2.0, 8.0
 _AIR_START = 20.0
 """So many points on either side say nothing yet about which side of the stair is air."""
 _WALL_REACH_M, _BEYOND_M = 0.15, 0.3
+_RISER_REACH_M = 0.06
+_FEWEST_RISER_POINTS = 10
+_BESIDE_M, _THIN_M = 0.3, 0.008
+_NOSING_M, _NOSINGS_MOST = (0.01, 0.05), 6.0
+"""Treads that reach past their risers by this are nosings."""
 _SURROUNDINGS_MOST = 2.6
 """Floors below and rooms above speak for a side, but not against a scanner that was levelled."""
 _HINT = 0.5
@@ -42,6 +47,7 @@ _LOOKS_STEEPLY_DEG = 55.0
 _LOOKS_STRAIGHT_DOWN = -4.0
 """Cameras look ahead, or some way down: what a camera that looks straight down weighs."""
 _CONE_DEG = 62.0
+_IN_CONE, _LEAST_RANGE_M = 0.98, 0.1
 _RAY_DEG = 1.0
 _RAY_SPREAD = 0.1
 _MOST_SPREAD_RAYS = 0.1
@@ -111,6 +117,7 @@ def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bo
         return []
     best = lattices[0]
     air, floor, around = _air_above(scan, best), _floor_for(scan, best), _surroundings(scan, best)
+    air += _nosings(scan, best)
     readings = []
     for lattice, side, floors in (
         (best, air + around, floor),
@@ -188,13 +195,17 @@ def is_view(scan: Scan, points: Floats) -> bool:
     """Return whether some points of a scan were taken from its origin, in one direction, as a camera's frame is."""
     if scan.origin_m.any():
         return False
+    # What a camera sees between two surfaces may lie anywhere, also beside it.
     ranges = np.linalg.norm(points, axis=1)
-    if ranges.min() <= 0.0:
+    is_far = ranges > _LEAST_RANGE_M
+    if np.count_nonzero(is_far) < _IN_CONE * len(points):
         return False
-    rays = points / ranges[:, None]
+    ranges = ranges[is_far]
+    rays = points[is_far] / ranges[:, None]
     ahead = rays.mean(axis=0)
     length = float(np.linalg.norm(ahead))
-    if length <= 0.0 or (rays @ (ahead / length)).min() < math.cos(math.radians(_CONE_DEG)):
+    is_in_cone = rays @ ahead >= length * math.cos(math.radians(_CONE_DEG))
+    if length <= 0.0 or np.count_nonzero(is_in_cone) < _IN_CONE * len(points):
         return False
     side = 1.0 / math.radians(_RAY_DEG)
     cells = np.floor((rays + 1.0) * side).astype(np.int64)
@@ -265,6 +276,13 @@ def _in_profile(scan: Thinned, lattice: Lattice) -> tuple[Floats, Floats]:
     return ahead, project(shifted, lattice.up) / lattice.rise_m - ahead
 
 
+def _span(lattice: Lattice) -> tuple[int, int, int, int]:
+    """Return from where to where the faces seen reach ahead, in goings, and up, in rises; both the same upside down."""
+    ahead = [k for tread in lattice.treads for k in (tread, tread + 1)] + list(lattice.risers)
+    upwards = [k for riser in lattice.risers for k in (riser - 1, riser)] + list(lattice.treads)
+    return min(ahead), max(ahead), min(upwards), max(upwards)
+
+
 def _air_above(scan: Thinned, lattice: Lattice) -> float:
     """Weigh the walls beside the stair that go on above its highest tread against those below its lowest.
 
@@ -274,14 +292,41 @@ def _air_above(scan: Thinned, lattice: Lattice) -> float:
     shifted = (scan.points - lattice.origin).T
     side = np.cross(lattice.up, lattice.ahead)
     ahead, height = project(shifted, lattice.ahead) / lattice.going_m, project(shifted, lattice.up)
-    numbers = (*lattice.treads, *lattice.risers)
+    first, last, low, high = _span(lattice)
     is_wall = np.abs(project(scan.normals.T, side)) >= _FACES_COS
     is_wall &= np.abs(project(shifted, side)) <= lattice.width_m / 2.0 + _WALL_REACH_M
-    is_wall &= (ahead >= min(numbers)) & (ahead <= max(numbers) + 1.0)
-    n_over = np.count_nonzero(is_wall & (height > max(numbers) * lattice.rise_m + _BEYOND_M))
-    n_under = np.count_nonzero(is_wall & (height < (min(numbers) - 1) * lattice.rise_m - _BEYOND_M))
+    is_wall &= (ahead >= first) & (ahead <= last)
+    n_over = np.count_nonzero(is_wall & (height > high * lattice.rise_m + _BEYOND_M))
+    n_under = np.count_nonzero(is_wall & (height < low * lattice.rise_m - _BEYOND_M))
     weight = math.log((n_over + _AIR_START) / (n_under + _AIR_START))
     return float(np.clip(_AIR_FACTOR * weight, -_AIR_MOST, _AIR_MOST))
+
+
+def _nosings(scan: Thinned, lattice: Lattice) -> float:
+    """Weigh where treads reach past the risers: forward at a nosing, never back into the stair.
+
+    Upside down, a stair with nosings has treads that go on behind the risers above them.
+    """
+    shifted = (scan.points - lattice.origin).T
+    ahead, height = project(shifted, lattice.ahead), project(shifted, lattice.up)
+    is_level, is_upright = (np.abs(project(scan.normals.T, axis)) >= _FACES_COS for axis in (lattice.up, lattice.ahead))
+    n_front = n_back = 0
+    for k in lattice.risers:
+        from_riser, share = ahead - k * lattice.going_m, height / lattice.rise_m - k
+        riser = from_riser[is_upright & (np.abs(from_riser) <= _RISER_REACH_M) & (np.abs(share + 0.5) <= 0.25)]
+        if len(riser) < _FEWEST_RISER_POINTS:
+            continue
+        past = from_riser - float(np.median(riser))
+        for level, way in ((0.0, -1.0), (-1.0, 1.0)):
+            # Normals beside an edge lean, so heights say which points belong to the tread.
+            tread = height[is_level & (np.abs(share - level) <= 0.2) & (np.abs(past) <= _BESIDE_M)]
+            if len(tread) < _FEWEST_RISER_POINTS:
+                continue
+            is_on = np.abs(height - float(np.median(tread))) <= _THIN_M
+            n_past = int(np.count_nonzero(is_on & (way * past >= _NOSING_M[0]) & (way * past <= _NOSING_M[1])))
+            n_front, n_back = (n_front + n_past, n_back) if way < 0.0 else (n_front, n_back + n_past)
+    weight = math.log((n_front + _AIR_START) / (n_back + _AIR_START))
+    return float(np.clip(_AIR_FACTOR * weight, -_NOSINGS_MOST, _NOSINGS_MOST))
 
 
 def _surroundings(scan: Thinned, lattice: Lattice) -> float:
@@ -289,12 +334,11 @@ def _surroundings(scan: Thinned, lattice: Lattice) -> float:
     shifted = (scan.points - lattice.origin).T
     ahead, height = project(shifted, lattice.ahead) / lattice.going_m, project(shifted, lattice.up) / lattice.rise_m
     is_level = np.abs(project(scan.normals.T, lattice.up)) >= _FACES_COS
-    numbers = (*lattice.treads, *lattice.risers)
-    low, high = min(numbers), max(numbers)
-    n_floor = np.count_nonzero(is_level & (np.abs(height - low + 0.5) <= 0.7) & (ahead < low))
-    n_landing = np.count_nonzero(is_level & (np.abs(height - high) <= 0.3) & (ahead > high))
+    first, last, low, high = _span(lattice)
+    n_floor = np.count_nonzero(is_level & (np.abs(height - low) <= 0.3) & (ahead < first))
+    n_landing = np.count_nonzero(is_level & (np.abs(height - high) <= 0.3) & (ahead > last))
     beyond = _BEYOND_M / lattice.rise_m
-    n_over, n_under = np.count_nonzero(height > high + beyond), np.count_nonzero(height < low - 1.0 - beyond)
+    n_over, n_under = np.count_nonzero(height > high + beyond), np.count_nonzero(height < low - beyond)
     # A landing may be the larger one, and a scan may begin at the foot of its stair.
     weight = math.log((n_floor + _FLOOR_START) / (n_landing + _FLOOR_START)) / 2.0
     weight += math.log((n_over + _FLOOR_START) / (n_under + _FLOOR_START))

@@ -113,6 +113,18 @@ def test_a_stairwell_whose_z_points_down_is_turned_round():
     assert "up_not_z" in [note.code for note in up.notes]
 
 
+def test_treads_that_reach_past_their_risers_say_which_side_is_up():
+    # A stair that stands free, up along the file's -y: floor and landing of one size, no walls.
+    stair = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.02, noise=0.001, floor_depth=0.28)
+    points, normals = stair.sample()
+    riser = np.abs(normals[:, 0]) > 0.9
+    points[riser, 0] += 0.025
+    for turn in (rotation("x", 90.0), rotation("x", -90.0), rotation("y", 90.0) @ rotation("z", 30.0)):
+        up = up_of(make_scan(points @ turn.T, normals @ turn.T))
+        assert up.vector @ turn[:, 2] > 0.999
+        assert up.observations == ()
+
+
 def test_a_steep_stair_stays_z_up():
     stair = Stair(n_steps=6, rise=0.33, going=0.28, risers=True, spacing=0.025, noise=0.001, floor_depth=1.2)
     for limit in (0.3, 0.5):
