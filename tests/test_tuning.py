@@ -6,11 +6,8 @@ import functools
 import numpy as np
 import pytest
 
-from stair_inspector.files.paths import sample_scans
-from stair_inspector.files.scans import read_scan
 from stair_inspector.memo import Memo
 from stair_inspector.model import SURVEY_VALUES
-from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from tests.synthetic import Stair, exact_params
 
@@ -97,9 +94,3 @@ def assert_steady(scan, params):
 
 def test_a_slider_on_its_plateau_changes_no_step_and_no_value_beyond_its_u():
     assert_steady(scan_with_surroundings(), exact_params(up="z"))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["straight", "defective_step", "long_landing", "ceiling_clutter", "handheld_noisy"])
-def test_a_slider_on_its_plateau_changes_no_step_of_a_sample(name):
-    assert_steady(read_scan(sample_scans() / f"{name}.ply"), Params())

@@ -39,6 +39,8 @@ _AZIMUTHS = 18
 _FEWEST_ON_LEVEL = 5
 _LEAST_SPREAD_M = 0.012
 """Points of a level surface spread so far (1 sigma) either way in plan; a row of points on a wall does not."""
+_MOST_USUAL_POINTS = 200
+"""The largest m of the presets: a larger one is somebody's choice, which is obeyed."""
 _FEWEST_POINTS = 10
 _AREA_SHARE = 0.75
 """Share of the area of level surfaces on which points lie no farther apart than what m and the cell are fitted to."""
@@ -125,7 +127,7 @@ def follow_spacing(horizontal: Horizontal, levels: LevelsParams, patches: Patche
     horizontal : Horizontal
         Upright points of a scan that is sparse.
     levels, patches
-        As they are set: m is never taken larger, the cell never smaller.
+        As they are set: m is never taken larger, the cell never smaller; an m beyond those of the presets is obeyed.
 
     Notes
     -----
@@ -143,7 +145,8 @@ def follow_spacing(horizontal: Horizontal, levels: LevelsParams, patches: Patche
     area = np.cumsum(spacing**2)
     spacing_m = float(spacing[np.searchsorted(area, _AREA_SHARE * area[-1])])
     fitting = max(_FEWEST_POINTS, int(_AREA_FILLED * patches.min_area_m2 / spacing_m**2))
-    min_points = min(levels.min_points, fitting)
+    is_usual = levels.min_points <= _MOST_USUAL_POINTS
+    min_points = min(levels.min_points, fitting) if is_usual else levels.min_points
     cell_m = max(patches.cell_m, min(_CELL_SPACINGS * spacing_m, _LARGEST_CELL_M))
     taken = []
     if min_points < levels.min_points:
