@@ -38,7 +38,7 @@ _NARROW = 2.2
 _BESIDE = 0.5
 """Share of the shorter of two bars along which they must lie beside each other: end to end they are two treads'."""
 _WHOLE_SHARE = 0.6
-"""A surface that covers most of what the points at its height cover is not in pieces, whatever noise frays it."""
+"""A surface that covers most of the points at its height is not in pieces, whatever noise frays it."""
 _SWALLOWED = 0.5
 _TRIM_SIGMA, _LEAST_SIGMA_M, _ROUNDS = 2.5, 0.0005, 3
 _SAME_HEIGHT_M = 0.012
@@ -198,7 +198,7 @@ def _treads_of(heights: HeightOrder, rows: Ints, patches: Patches, least_area_m2
         mine = rows[is_own[of]]
         height_m = float(np.median(heights.coordinates_m[2, mine]))
         is_large = np.count_nonzero(is_own) * cell_m**2 >= least_area_m2 and _sides(places_m)[1] >= 0.1
-        if is_large and not _is_covered(places_m, height_m, patches):
+        if is_large and not _is_covered(heights.coordinates_m[:2, mine], height_m, patches):
             result.append(mine)
     return result
 
@@ -296,8 +296,9 @@ def _sides(places_m: Floats) -> tuple[float, float]:
 
 
 def _is_covered(places_m: Floats, height_m: float, patches: Patches) -> bool:
-    """Return whether one surface covers most of some cells at its height."""
+    """Return whether one surface covers the places of most of some points at its height."""
     side_m = 2.0 * patches.cell_m
+    # By points and not by places: what strays around a tread fills many places with a point each.
     own = _plan_keys(places_m, side_m)
     low, high = places_m.min(axis=1), places_m.max(axis=1)
     for surface in patches.surfaces:
@@ -307,14 +308,15 @@ def _is_covered(places_m: Floats, height_m: float, patches: Patches) -> bool:
         cells = surface.cells_m[:, inside]
         expected = surface.centre_m[2] + surface.slope @ (cells.mean(axis=1) - surface.centre_m[:2])
         is_same = abs(float(expected) - height_m) <= _SAME_HEIGHT_M
-        if is_same and np.isin(own, _plan_keys(cells, side_m)).mean() >= _WHOLE_SHARE:
+        if is_same and np.isin(own, np.unique(_plan_keys(cells, side_m))).mean() >= _WHOLE_SHARE:
             return True
     return False
 
 
 def _plan_keys(places_m: Floats, side_m: float) -> Ints:
     cells = np.floor(places_m / side_m).astype(np.int64)
-    return np.unique(cells[0] * 2**32 + cells[1])
+    keys: Ints = cells[0] * 2**32 + cells[1]
+    return keys
 
 
 def _with_treads(
