@@ -173,7 +173,8 @@ class Surface:
 
     ``cells_m`` (2, c) mean plan coordinates of the points in each plan cell; ``centre_m`` (3,) and ``slope`` (2,) its
     robust plane, dz/dx and dz/dy; ``sigma_m`` the scatter of the cells' means about it; ``plane`` (step 8 of the paper
-    for these points) in local scan axes; ``is_barred`` says that it is put together from bars with gaps.
+    for these points) in local scan axes; ``is_barred`` says that it is put together from bars with gaps; ``part_of`` is
+    the number of the surface that holds these points too, where this one is a piece of a tread.
     """
 
     level_id: int
@@ -186,6 +187,7 @@ class Surface:
     sigma_m: float
     plane: PlaneFit
     is_barred: bool = False
+    part_of: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

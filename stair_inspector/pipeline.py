@@ -13,10 +13,10 @@ from stair_inspector.stages.beyond import note_what_goes_on
 from stair_inspector.stages.causes import is_too_coarse, with_cause
 from stair_inspector.stages.dither import spread_steps
 from stair_inspector.stages.examine import examine, with_questions
-from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.impossible import take_out_impossible
 from stair_inspector.stages.nosings import find_shapes
 from stair_inspector.stages.patches import split_levels
+from stair_inspector.stages.pieces import find_flights
 from stair_inspector.stages.plumb import refine_up
 from stair_inspector.stages.rejects import apply_overrules
 from stair_inspector.stages.retry import say_tried, try_suggested
@@ -85,8 +85,8 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     horizontal, patches = memo.run("bars", join_bars, heights, horizontal, patches, params.patches.min_area_m2)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
     is_hopeless = is_too_coarse(found.examination, params.flights)
-    of_flights = (patches, params.flights, params.patches.min_area_m2, forced)
-    chains = NO_CHAINS if is_hopeless else memo.run("flights", find_chains, *of_flights)
+    of_flights = (horizontal, patches, params.flights, params.patches.min_area_m2, forced)
+    patches, chains = (patches, NO_CHAINS) if is_hopeless else memo.run("flights", find_flights, *of_flights)
     of_points = (heights, horizontal, patches, chains, params.survey.of_edges, spread.is_stepped)
     shapes = memo.run("nosings", find_shapes, *of_points, float(examined.steps_m.max()) if is_sparse else None)
     how_sure = (params.survey, params.uncertainty, params.display, examined)

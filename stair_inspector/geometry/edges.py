@@ -60,7 +60,8 @@ class EdgeLine:
     ``noise_m`` is the standard uncertainty of ``middle_m`` as the scatter along the edge shows it, ``slope_noise`` that
     of the slope; ``support`` the share of the edge that was seen; ``purity`` the share of the points in which a face
     was looked for that lie on it. ``obstructed_m`` is the part of ``noise_m`` that is there because something stands at
-    the edge, whose shadow it may be.
+    the edge, whose shadow it may be. ``is_wall`` says that the face goes up from the surface, as that of a wall does,
+    or of a thing that stands on it.
     """
 
     middle_m: float
@@ -72,6 +73,7 @@ class EdgeLine:
     source: Literal["tread", "face"]
     purity: float = 1.0
     obstructed_m: float = 0.0
+    is_wall: bool = False
 
     @property
     def free_noise_m(self) -> float:

@@ -56,7 +56,7 @@ def find_chains(patches: Patches, params: FlightsParams, least_area_m2: float, f
     wanted = forced.those("tread") | forced.those("landing")
     unwanted = forced.those("rejected")
     is_allowed = [
-        k in wanted or (k not in unwanted and may_be_step(surface, least_area_m2))
+        surface.part_of is None and (k in wanted or (k not in unwanted and may_be_step(surface, least_area_m2)))
         for k, surface in enumerate(patches.surfaces)
     ]
     for k in find_undersides(patches) - wanted:

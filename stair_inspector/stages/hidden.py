@@ -168,7 +168,8 @@ def with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]
     A side that lies inside the others', and of which no face is seen, may be the rim of a shadow: its uncertainty grows
     until it reaches the others. Its value stays: a step may be narrower. A side at which something stands, but which
     lies in line with the others, is no rim of a shadow: posts hide as much of one tread as of no other. A side that was
-    not seen is taken to be in line with those that were, as unsure as what was seen of the tread ends before.
+    not seen is taken to be in line with those that were, as unsure as what was seen of the tread ends before. What goes
+    up inside the sides of the steps below and above may be a box or a person: no wall narrows one step alone.
     """
     if len(shapes) < _FEWEST_FOR_SIDES:
         return shapes
@@ -177,9 +178,11 @@ def with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]
     left = _common_side([(origin, shape.left, 1.0) for origin, shape in zip(origins, shapes, strict=True)])
     right = _common_side([(origin, shape.right, -1.0) for origin, shape in zip(origins, shapes, strict=True)])
     result = []
-    for shape, origin in zip(shapes, origins, strict=True):
-        to_left, hidden_left = _checked_side(shape.left, left, origin, 1.0)
-        to_right, hidden_right = _checked_side(shape.right, right, origin, -1.0)
+    for k, (shape, origin) in enumerate(zip(shapes, origins, strict=True)):
+        inmost_left = _inmost_beside([o + each.left.middle_m for o, each in zip(origins, shapes, strict=True)], k)
+        inmost_right = _inmost_beside([-o - each.right.middle_m for o, each in zip(origins, shapes, strict=True)], k)
+        to_left, hidden_left = _checked_side(shape.left, left, origin, 1.0, inmost_left)
+        to_right, hidden_right = _checked_side(shape.right, right, origin, -1.0, inmost_right)
         low, high = shape.line_range
         if abs(hidden_left) > _SIDE_DIFFERS_M:
             high = left.place_m - origin
@@ -187,6 +190,15 @@ def with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]
             low = -right.place_m - origin
         result.append(replace(shape, left=to_left, right=to_right, line_range=(low, high)))
     return result
+
+
+def _inmost_beside(places_m: list[float], k: int) -> float:
+    """Return the inner one of the sides of the steps below and above; at an end the line of the next two counts too."""
+    near = [places_m[j] for j in (k - 1, k + 1) if 0 <= j < len(places_m)]
+    if len(near) == 1:
+        inner, farther = (places_m[1], places_m[2]) if k == 0 else (places_m[-2], places_m[-3])
+        near.append(2.0 * inner - farther)
+    return min(near)
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,8 +236,11 @@ def _is_guess(edge: EdgeLine) -> bool:
     return not edge.support and not edge.obstructed_m
 
 
-def _checked_side(edge: EdgeLine, side: _Side, origin_m: float, sign: float) -> tuple[EdgeLine, float]:
-    """Hold a side against those of its flight: return it, and how far inside them it lies."""
+def _checked_side(edge: EdgeLine, side: _Side, origin_m: float, sign: float, inmost_m: float) -> tuple[EdgeLine, float]:
+    """Hold a side against those of its flight: return it, and how far inside them it lies.
+
+    ``inmost_m`` is the inner place of the sides of the steps below and above.
+    """
     hidden_m = side.place_m - sign * (origin_m + edge.middle_m)
     if side.scatter_m is not None and edge.source == "tread":
         same_m = max(_SAME_PLACE_M, _SAME_SIGMAS * math.hypot(edge.free_noise_m, side.scatter_m))
@@ -241,6 +256,7 @@ def _checked_side(edge: EdgeLine, side: _Side, origin_m: float, sign: float) -> 
     limit_m = _SIDE_DIFFERS_M + 4.0 * edge.noise_m
     if side.scatter_m is not None:
         limit_m = min(limit_m, _SIDE_INSIDE_M + _INSIDE_SIGMAS * math.hypot(edge.noise_m, side.scatter_m))
-    if hidden_m > limit_m and edge.source == "tread":
+    is_of_a_thing = edge.is_wall and inmost_m - sign * (origin_m + edge.middle_m) > _SIDE_DIFFERS_M
+    if hidden_m > limit_m and (edge.source == "tread" or is_of_a_thing):
         edge = replace(edge, noise_m=math.hypot(edge.noise_m, hidden_m / 2.0), support=0.0)
     return edge, hidden_m

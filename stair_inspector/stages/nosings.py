@@ -530,7 +530,7 @@ class _Finder:
         if down is not None and (up is None or down.support >= up.support):
             half = "above"
         elif up is not None:
-            half = "below"
+            half, up = "below", replace(up, is_wall=True)
         extent = whole if half == "all" else find_extent_edge(*surface, span, guess[0], self.sampling, half, is_square)
         face = down if half == "above" else up
         if self.is_barred:

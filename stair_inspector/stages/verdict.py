@@ -155,6 +155,12 @@ def _name_patches(
     """Return every surface with what it was taken for, or why it is no part of a staircase."""
     origin_z = float(scan.origin_m @ paper.up.vector)
     step_of = dict(zip(survey.surfaces, survey.steps, strict=True))
+    # A piece of a tread belongs to that tread's step.
+    step_of |= {
+        number: step_of[surface.part_of]
+        for number, surface in enumerate(patches.surfaces)
+        if surface.part_of in step_of
+    }
     bases = frozenset(chain.base for chain in chains.chains if chain.base is not None)
     floors = bases - step_of.keys() if survey.steps else _lowest_surface(patches, forced)
     taken = floors | step_of.keys()

@@ -135,3 +135,23 @@ def test_sides_that_do_not_agree_tell_nothing():
         for s, inside_m in zip(even(5), widths, strict=True)
     ]
     assert [s.left for s in with_common_sides(shapes, ALONG_X)] == [s.left for s in shapes]
+
+
+def walls(*inside_m):
+    """The left sides of a flight that end at walls, so far inside of the usual place, and what was made of them."""
+    edges = [replace(line(WIDTH / 2 - each, noise_m=0.0005, along_m=DEPTH / 2), is_wall=True) for each in inside_m]
+    shapes = [replace(s, left=edge) for s, edge in zip(even(len(inside_m)), edges, strict=True)]
+    return edges, [s.left for s in with_common_sides(shapes, ALONG_X)]
+
+
+def test_a_wall_that_narrows_one_step_alone_may_be_a_thing_that_stands_on_it():
+    edges, found = walls(0.0, 0.0, 0.3, 0.0, 0.0)
+    assert found[2].noise_m == pytest.approx(math.hypot(0.0005, 0.15))
+    assert (found[2].middle_m, found[2].support) == (edges[2].middle_m, 0.0)
+    assert [found[k] for k in (0, 1, 3, 4)] == [edges[k] for k in (0, 1, 3, 4)]
+
+
+@pytest.mark.parametrize("inside_m", [(0.0, 0.1, 0.2, 0.3, 0.4), (0.0, 0.0, 0.0, 0.3, 0.3)])
+def test_a_wall_that_narrows_a_flight_is_its_side(inside_m):
+    edges, found = walls(*inside_m)
+    assert found == edges

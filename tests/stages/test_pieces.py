@@ -1,0 +1,86 @@
+"""A tread of which something hides the middle is one tread; what belongs to another staircase is another's."""
+
+import numpy as np
+import pytest
+
+from stair_inspector.params import OverrulesParams, Params
+from stair_inspector.pipeline import inspect
+from tests.synthetic import Stair, make_scan, rotation
+
+STAIR = Stair(n_steps=4, risers=True, spacing=0.014, noise=0.0005, floor_depth=0.8, seed=4)
+PARAMS = Params(up="z", unit="m")
+
+
+def without(points, k, y_low, y_high, x_low=0.0, x_high=1.0):
+    """Points but for a part of tread k, given by its sides and by shares of its depth."""
+    x, y, z = points.T
+    on = np.abs(z - k * STAIR.rise) < 0.01
+    on &= (x >= (k - 1 + x_low) * STAIR.going - 0.005) & (x <= (k - 1 + x_high) * STAIR.going - 0.005)
+    return points[~(on & (y > y_low) & (y < y_high))]
+
+
+def found(points, params=PARAMS):
+    return inspect(make_scan(points @ rotation("z", 20.0).T), params)
+
+
+def heights_of(inspection, kind):
+    return [round(patch.height_m, 2) for patch in inspection.patches if patch.kind == kind]
+
+
+def test_a_tread_parted_by_what_stands_on_it_is_one_of_the_whole_width():
+    inspection = found(without(STAIR.sample()[0], 2, 0.35, 0.75))
+    assert len(inspection.steps) == STAIR.n_steps
+    width = inspection.steps[1].width_m
+    assert abs(width.value - STAIR.width) <= width.u < 0.02
+    assert abs(inspection.steps[1].going_m.value - STAIR.going) <= inspection.steps[1].going_m.u
+    assert inspection.steps[1].coverage < 0.75
+    # Both pieces are that step, neither a seat beside it.
+    pieces = [patch for patch in inspection.patches if abs(patch.height_m - 2 * STAIR.rise) < 0.01]
+    assert [patch.step_id for patch in pieces] == [2, 2]
+    assert not heights_of(inspection, "rejected")
+    assert not [note for note in inspection.notes if note.code == "chain_ambiguous"]
+
+
+def test_a_piece_behind_a_thing_is_joined_too():
+    # What stands in front hides all but two corners and a strip before the riser.
+    points = without(without(STAIR.sample()[0], 2, 0.1, 0.9, 0.0, 0.6), 2, 0.0, 1.0, 0.6, 0.75)
+    inspection = found(points)
+    width = inspection.steps[1].width_m
+    assert len(inspection.steps) == STAIR.n_steps
+    assert abs(width.value - STAIR.width) <= width.u
+
+
+def test_a_piece_that_the_inspector_decides_about_stays_apart():
+    points = without(STAIR.sample()[0], 2, 0.35, 0.75)
+    at = rotation("z", 20.0) @ np.array([1.5 * STAIR.going, 0.9, 2 * STAIR.rise])
+    force = f"at:{at[0]:.3f},{at[1]:.3f},{at[2]:.3f}=rejected"
+    inspection = found(points, Params(up="z", unit="m", overrules=OverrulesParams(force=force)))
+    assert heights_of(inspection, "rejected") == [round(2 * STAIR.rise, 2)]
+
+
+@pytest.mark.parametrize(
+    ("shift", "size"),
+    [
+        pytest.param((0.0, 1.3, 0.0), 0.3, id="beside the sides of the other treads"),
+        pytest.param((0.0, 0.7, 0.015), 0.3, id="not in the tread's plane"),
+    ],
+)
+def test_what_lies_elsewhere_is_no_piece(shift, size):
+    points = without(STAIR.sample()[0], 2, 0.35, 1.0)
+    rng = np.random.default_rng(3)
+    other = rng.uniform([STAIR.going, 0.0, 0.0], [2 * STAIR.going, size, 0.0005], (500, 3))
+    inspection = found(np.concatenate([points, other + np.array(shift) + [0.0, 0.0, 2 * STAIR.rise]]))
+    width = inspection.steps[1].width_m
+    assert abs(width.value - 0.35) < 0.02
+    assert round(2 * STAIR.rise + shift[2], 2) in heights_of(inspection, "rejected")
+
+
+@pytest.mark.parametrize("apart", [0.06, 0.1, 0.15])
+def test_two_flights_side_by_side_stay_two_where_treads_are_in_pieces(apart):
+    first = STAIR.sample()[0]
+    second = Stair(**{**vars(STAIR), "seed": 9}).sample()[0]
+    # Half of one tread of either is hidden, the other half lies beside the other flight.
+    first, second = without(first, 3, 0.0, 0.6), without(second, 2, 0.3, 1.0)
+    inspection = found(np.concatenate([first, second + np.array([0.0, STAIR.width + apart, 0.0])]))
+    assert [flight.n_risers for flight in inspection.flights] == [4, 4]
+    assert all(step.width_m.value < STAIR.width + 0.02 for step in inspection.steps)
