@@ -49,6 +49,7 @@ def project_file(tmp_path, stair_file):  # noqa: F811
     return path
 
 
+@pytest.mark.slow
 def test_a_report_is_written_beside_the_files_of_measure_and_said(run, tmp_path, stair_file):  # noqa: F811
     code, out, err = run("measure", stair_file, "-o", tmp_path, "--report", "--rules", "us-irc-2024")
     assert (code, err) == (0, "")

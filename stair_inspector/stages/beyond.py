@@ -1,4 +1,4 @@
-"""Does a flight go on where its measured steps end? Rows of risers and treads at its rhythm, seen but not measured."""
+"""Does a flight go on where its measured steps end? Rows at its rhythm are seen and not measured, or the scan ends."""
 
 import math
 from collections.abc import Sequence
@@ -33,6 +33,9 @@ _GOES_ON_UP = 0.35
 _LEVEL_RISES = 0.2
 """How far from where the rhythm says a tread may lie, in rises."""
 _ENOUGH_TREAD = 0.5
+
+_BEHIND_GOINGS, _BEHIND_RISES = 1.0, 2.0
+"""How far behind the last tread, and how high, there must be something for the scan not to end there."""
 
 _Way = Literal["above", "below"]
 
@@ -86,7 +89,8 @@ def note_what_goes_on(
     -------
     Survey
         ``Flight.goes_on`` and a note where at least two more rows of risers or treads follow at the flight's rise and
-        going. A flight that ends at a landing has ended; a wall has no rows.
+        going. A flight that ends at a landing has ended; a wall has no rows. Where a flight ends with a tread and
+        nothing at all was scanned behind it, a note says that the scan ends there.
     """
     flights: list[Flight] = []
     notes: list[Note] = []
@@ -99,7 +103,10 @@ def note_what_goes_on(
             others = [shape for each in shapes if each is not own for shape in each]
             if kinds[-1] == "tread":
                 rhythm = _rhythm_of(own[-1], climbs[-1], size)
-                found += _sentence(_rows(heights, rhythm, others, "above"), "above")
+                above = _sentence(_rows(heights, rhythm, others, "above"), "above")
+                found += above
+                if not above and _is_nothing_behind(heights, rhythm):
+                    notes.append(_scan_ends(flight))
             if chain.base is None:
                 rhythm = _rhythm_of(own[0], climbs[0], size)
                 found += _sentence(_rows(heights, rhythm, others, "below"), "below")
@@ -111,6 +118,29 @@ def note_what_goes_on(
         flights.append(replace(flight, goes_on=goes_on))
         notes.append(Note("goes_on", "survey", f"flight {flight.flight_id} goes on: {goes_on}"))
     return replace(survey, flights=tuple(flights), notes=(*survey.notes, *notes)) if notes else survey
+
+
+def _scan_ends(flight: Flight) -> Note:
+    last = flight.step_ids[-1]
+    message = (
+        f"flight {flight.flight_id} is cut by the scan's end: nothing was scanned behind step {last}, which is no "
+        "landing; whether more risers follow is not known"
+    )
+    return Note("scan_ends", "survey", message, last)
+
+
+def _is_nothing_behind(heights: HeightOrder, rhythm: _Rhythm) -> bool:
+    """Return whether the scan holds nothing where the next riser, its tread or a wall would be."""
+    z = heights.coordinates_m[2]
+    low, high = rhythm.height_m + 0.5 * rhythm.rise_m, rhythm.height_m + _BEHIND_RISES * rhythm.rise_m
+    start, stop = np.searchsorted(z, [low, high])
+    place, climb = rhythm.frame_at(rhythm.going_m)
+    x, y = heights.coordinates_m[:2, start:stop] - place[:, None]
+    s, w = climb[0] * x + climb[1] * y, climb[0] * y - climb[1] * x
+    reach_m = _REACH_GOINGS * rhythm.going_m
+    is_behind = (s >= -reach_m) & (s <= _BEHIND_GOINGS * rhythm.going_m)
+    is_behind &= np.abs(w) <= rhythm.half_width_m * (1.0 - 2.0 * _INSET)
+    return int(np.count_nonzero(is_behind)) < _FEWEST_POINTS
 
 
 def _rhythm_of(shape: StepShape, climb: Floats, size: tuple[float, float]) -> _Rhythm:

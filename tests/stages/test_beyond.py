@@ -88,3 +88,24 @@ def test_a_curved_flight_goes_on_along_its_arc():
     flight, _, _ = found(scan.points[~is_hidden], scan.normals[~is_hidden])
     assert (flight.shape, flight.n_risers) == ("curved", 5)
     assert "about 5 more are seen above" in flight.goes_on
+
+
+def test_a_flight_behind_whose_last_tread_nothing_was_scanned_is_cut_by_the_scans_end():
+    points, normals = STAIR.sample()
+    is_left = points[:, 0] < 6 * STAIR.going - 0.01
+    flight, notes, inspection = found(points[is_left], normals[is_left])
+    assert (flight.n_risers, flight.goes_on, notes) == (6, None, [])
+    (told,) = [note for note in inspection.notes if note.code == "scan_ends"]
+    assert told.step == inspection.steps[-1].step_id
+    assert "flight 1 is cut by the scan's end: nothing was scanned behind step 6" in told.message
+
+
+@pytest.mark.parametrize("n_risers", [4, 5])
+def test_a_wall_or_a_riser_behind_the_last_tread_is_no_end_of_the_scan(n_risers):
+    points, normals = seen_from_the_foot(STAIR, 4, 5)
+    if n_risers == 4:
+        is_fifth = (np.abs(normals[:, 0]) > 0.5) & (points[:, 2] > 4 * STAIR.rise)
+        points = np.where(is_fifth[:, None] & np.array([False, False, True]), 2.5 * points - 6 * STAIR.rise, points)
+    *_, inspection = found(points, normals)
+    assert len(inspection.steps) == 4
+    assert "scan_ends" not in {note.code for note in inspection.notes}

@@ -102,6 +102,7 @@ def test_a_scan_far_too_small_is_of_another_unit(unit, flag):
     assert message.endswith(f"if so, give {flag}")
 
 
+@pytest.mark.slow
 def test_a_scan_far_too_large_is_of_another_unit():
     scan = stair().scan()
     message = why(replace(scan, points=scan.points * 1000.0))

@@ -164,16 +164,8 @@ def sample(name):
     return seen, inspect(scan, seen.params, memo)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "handheld_noisy",
-        *(
-            pytest.param(each, marks=pytest.mark.slow)
-            for each in ("straight", "long_landing", "ceiling_clutter", "defective_step")
-        ),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["handheld_noisy", "straight", "long_landing", "ceiling_clutter", "defective_step"])
 def test_the_suggestion_finds_every_step_of_a_sample(name):
     truth = json.loads((sample_scans() / f"{name}.truth.json").read_text())
     seen, inspection = sample(name)

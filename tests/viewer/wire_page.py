@@ -16,7 +16,7 @@ from stair_inspector.viewer.app import App
 
 SCANNER = Scanner(max_points=6_000, azimuth_step_deg=0.3, elevation_step_deg=0.3, spacing_m=0.01, noise_m=0.002)
 STAIR, OTHER = "stair.ply", "other.ply"
-SETTLE_S = 20.0
+SETTLE_S = 60.0
 _CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": (1.0, 0.0, 0.0, 0.0),
