@@ -17,7 +17,13 @@ _BEYOND = (Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE, Verdict.WITHIN_CLOSE)
 
 
 def flights_table(inspection: Inspection) -> Table:
-    """Return one row per flight: risers, total rise and run, mean rise and going, pitch, width."""
+    """Return one row per flight: risers, total rise and run, mean rise and going, pitch, width.
+
+    A radius, and what is seen and was not measured, have columns where a flight has them.
+    """
+    flights = inspection.flights
+    has_radius = any(flight.radius_m is not None for flight in flights)
+    has_more = any(flight.goes_on is not None for flight in flights)
     columns = (
         Column("Flight", digits=0),
         Column("Shape"),
@@ -28,15 +34,17 @@ def flights_table(inspection: Inspection) -> Table:
         Column("Mean going", "mm", 1),
         *with_u("Pitch", "°", 2),
         *with_u("Tread width", "mm", 1),
+        *(with_u("Radius", "mm", 0) if has_radius else ()),
         Column("Range of rise", "mm", 1),
         Column("Largest change of rise", "mm", 1),
         Column("Between steps"),
         Column("Range of going", "mm", 1),
         Column("Largest change of going", "mm", 1),
         Column("Between these steps"),
+        *((Column("Goes on", width=3.0),) if has_more else ()),
     )
     rows: list[tuple[Cell, ...]] = []
-    for flight in inspection.flights:
+    for flight in flights:
         rows.append(
             (
                 flight.flight_id,
@@ -48,12 +56,14 @@ def flights_table(inspection: Inspection) -> Table:
                 None if flight.going is None else mm(flight.going.mean),
                 *rounded(angles(flight.pitch_deg), 2),
                 *rounded(lengths(flight.width_m), 1),
+                *(rounded(lengths(flight.radius_m), 0) if has_radius else ()),
                 None if flight.rise is None else mm(flight.rise.range),
                 None if flight.rise is None else mm(flight.rise.max_adjacent),
                 pair(flight.rise),
                 None if flight.going is None else mm(flight.going.range),
                 None if flight.going is None else mm(flight.going.max_adjacent),
                 pair(flight.going),
+                *((flight.goes_on,) if has_more else ()),
             )
         )
     return Table("flights", "Flights", columns, tuple(rows), empty="No flight was found.")

@@ -661,6 +661,20 @@ def test_the_report_says_that_a_flight_goes_on():
     inspection = inspection_of(steps, [dataclasses.replace(flight_of(steps), goes_on=goes_on)])
     made = plain_document(inspection, check(inspection, find_rule_set("us-ibc-2021")))
     assert f"Flight 1 goes on: {goes_on}." in text_of(made)
+    table = table_of(made, "flights")
+    assert dict(zip((column.name for column in table.columns), table.rows[0], strict=True))["Goes on"] == goes_on
+
+
+def test_the_radius_of_a_flight_that_curves_is_in_the_table_of_flights():
+    steps = even(5)
+    radius = measured(4.0123, 0.0121)
+    curved = dataclasses.replace(flight_of(steps), shape="curved", radius_m=radius)
+    table = table_of(plain_document(inspection_of(steps, [curved]), None), "flights")
+    row = dict(zip(((column.name, column.is_u) for column in table.columns), table.rows[0], strict=True))
+    assert row["Radius", False].value == pytest.approx(4012.3)
+    assert next(column.unit for column in table.columns if column.name == "Radius") == "mm"
+    plain = table_of(plain_document(inspection_of(steps, [flight_of(steps)]), None), "flights")
+    assert not {"Radius", "Goes on"} & {column.name for column in plain.columns}
 
 
 def test_of_a_curved_flight_the_report_says_on_which_line_it_was_measured():
