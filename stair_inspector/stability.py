@@ -74,6 +74,13 @@ def mark_unsettled(scan: Scan, params: Params, inspection: Inspection, memo: Mem
     return dataclasses.replace(inspection, notes=(*inspection.notes, *notes)) if notes else inspection
 
 
+def words_about(inspection: Inspection, step_id: int, quantity: str) -> str:
+    """Return what is said of a value that hangs on the settings, as ``going``; empty of one that does not."""
+    start = _subject(step_id, quantity)
+    told = (note.message for note in inspection.notes if note.code == CODE and note.step == step_id)
+    return next((message for message in told if message.startswith(start)), "")
+
+
 def _notches(params: Params) -> Iterator[tuple[Params, str]]:
     """Yield the settings one notch of a slider to each side, and what was changed, in words."""
     for name in SETTINGS:
@@ -105,8 +112,12 @@ def _moved(value: Measured | None, other: Measured | None) -> float:
 
 
 def _sentence(step_id: int, name: str, moved: float, words: str) -> str:
-    what = f"the {_QUANTITIES[name]} of step {step_id}"
+    what = f"{_subject(step_id, _QUANTITIES[name])} the settings"
     if moved == float("inf"):
-        return f"{what} hangs on the settings: it is not measured where {words}"
+        return f"{what}: it is not measured where {words}"
     size = f"{moved * 1000.0:.1f} mm" if name.endswith("_m") else f"{moved:.2f}°"
-    return f"{what} hangs on the settings: it moves by {size}, more than its u, where {words}"
+    return f"{what}: it moves by {size}, more than its u, where {words}"
+
+
+def _subject(step_id: int, quantity: str) -> str:
+    return f"the {quantity} of step {step_id} hangs on"

@@ -2,8 +2,9 @@
 
 import dataclasses
 import math
-from collections.abc import Container, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -62,12 +63,14 @@ def take_out_impossible(survey: Survey, limits: FlightsParams) -> Survey:
         _review_flight(own, flight.shape == "straight", steepest_deg, lost)
     if not lost.fields:
         return survey
-    steps = tuple(
-        dataclasses.replace(step, **dict.fromkeys(lost.fields.get(step.step_id, ())))  # type: ignore[arg-type]
-        for step in survey.steps
-    )
+    steps = tuple(_without_fields(step, lost.fields.get(step.step_id, ())) for step in survey.steps)
     flights = tuple(_without(flight, steps, lost.fields.keys()) for flight in survey.flights)
     return dataclasses.replace(survey, steps=steps, flights=flights, notes=(*survey.notes, *lost.notes))
+
+
+def _without_fields(step: Step, names: Iterable[str]) -> Step:
+    nothing: dict[str, Any] = dict.fromkeys(names)
+    return dataclasses.replace(step, **nothing)
 
 
 def steepest_pitch_deg(limits: FlightsParams) -> float:

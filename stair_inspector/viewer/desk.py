@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol, Unpack
 
@@ -12,7 +12,7 @@ import viser
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Inspection, Scan
+from stair_inspector.model import Inspection, Note, Scan
 from stair_inspector.params import Params
 from stair_inspector.report.pictures.display import Display
 from stair_inspector.report.pictures.picture import safe_name
@@ -42,7 +42,8 @@ class Desk:
     """The state of one page.
 
     ``lock`` is held while anything here is read or changed together with the page; viser runs callbacks on many
-    threads. ``selected`` is a step, ``selected_patch`` a rejected surface; never both.
+    threads. ``selected`` is a step, ``selected_patch`` a rejected surface; never both. ``unsettled`` are notes on
+    values of the last good result that hang on the settings: found afterwards, and no part of it.
     """
 
     client: viser.ClientHandle
@@ -56,6 +57,7 @@ class Desk:
     selected: int | None = None
     selected_patch: int | None = None
     is_closed: bool = False
+    unsettled: tuple[Note, ...] = ()
 
     @property
     def palette(self) -> Palette:
@@ -66,6 +68,14 @@ class Desk:
     def inspection(self) -> Inspection | None:
         """The last good result's numbers."""
         return self.shown.inspection if self.shown is not None else None
+
+    @property
+    def marked(self) -> Inspection | None:
+        """The last good result with the notes on its values that hang on the settings, for what the page says of it."""
+        inspection = self.inspection
+        if inspection is None or not self.unsettled:
+            return inspection
+        return replace(inspection, notes=(*inspection.notes, *self.unsettled))
 
     @property
     def frame(self) -> tuple[str, str] | None:

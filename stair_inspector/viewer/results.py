@@ -126,7 +126,7 @@ class Results:
 
     def show_details(self) -> None:
         """Show what was found about the scan, the notes, the settings that were used and the times."""
-        inspection, uuid = self._desk.inspection, self._panel.picked._impl.uuid
+        inspection, uuid = self._desk.marked, self._panel.picked._impl.uuid
         self._panel.examination.content = headline_html(inspection, uuid)
         self._panel.scan.examination.content = examination_html(inspection, uuid)
         self._panel.details.content = html.details_html(inspection)
@@ -156,7 +156,7 @@ class Results:
         panel.show_survey_controls(is_survey)
         panel.show_table(
             html.table_html(
-                inspection,
+                desk.marked,
                 desk.palette,
                 desk.selected,
                 uuid,
@@ -168,7 +168,7 @@ class Results:
             columns,
             is_survey=is_survey,
         )
-        panel.steps.card.content = card_html(inspection, desk.selected, desk.palette, desk.unit)
+        panel.steps.card.content = card_html(desk.marked, desk.selected, desk.palette, desk.unit)
         if with_pictures:
             self.show_pictures()
         panel.steps.rejected.content = rejected_html(

@@ -35,6 +35,7 @@ from stair_inspector.viewer.results import Results
 from stair_inspector.viewer.runs import CANCELLED, Listener, Prepared, Progress, Request, Runs
 from stair_inspector.viewer.scene import Stage
 from stair_inspector.viewer.scene_views import SceneViews
+from stair_inspector.viewer.settling import Settling
 from stair_inspector.viewer.shortcuts import HelpCard
 from stair_inspector.viewer.toolbar import add_toolbar
 from stair_inspector.viewer.tools.region import RegionTool
@@ -118,6 +119,7 @@ class Session:
         self.upright.borrow = self.toolbar.measure.lend
         listener = Listener(self._find, self._done, self._failed, self._progress)
         self.runs = Runs(workshop, listener, self.notices, f"stair-session-{client.client_id}")
+        self.settling = Settling(self.desk, workshop, self.runs.is_busy, self._show_unsettled)
         add_keys(self)
         client.camera.on_update(lambda _: self.notices.guard(self._on_camera)())
         try:
@@ -139,7 +141,15 @@ class Session:
         self.opening.leave()
 
     def _end_threads(self) -> None:
-        for part in (self.runs, self.comparing, self.toolbar.section, self._redraws, self.paper_edges, self.keeper):
+        for part in (
+            self.runs,
+            self.settling,
+            self.comparing,
+            self.toolbar.section,
+            self._redraws,
+            self.paper_edges,
+            self.keeper,
+        ):
             part.close()
 
     # The work: what may be changed, and how it is taken back. See desk.Editor.
@@ -305,6 +315,7 @@ class Session:
             # A run that was under way may end after a control was set to something impossible: that stays said.
             self._error = self._refusal
             self.results.renew()
+            self.settling.renew()
             # The scene is turned upright only for another scan or another up: nothing jumps while a slider moves.
             is_new_view = (
                 is_new_scan or before is None or not np.array_equal(before.inspection.up.vector, inspection.up.vector)
@@ -477,13 +488,19 @@ class Session:
         error = self._error if busy is None else None
         self.panel.run.visible = error is not None and self._refusal is None
         self.panel.state.content = html.state_html(
-            self.desk.inspection,
+            self.desk.marked,
             busy=busy,
             error=error,
             is_stale=is_stale,
             percent=percent,
             cancel_uuid=self.panel.cancel._impl.uuid,
         )
+
+    def _show_unsettled(self) -> None:
+        """Show which values hang on the settings; the desk is held."""
+        self.results.show_details()
+        self.results.show_selection(with_pictures=False)
+        self._show_status(is_stale=self._error is not None)
 
     def _on_saved(self, words: str, is_failure: bool) -> None:
         if not self.desk.is_closed:

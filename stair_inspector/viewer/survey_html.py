@@ -18,6 +18,7 @@ from stair_inspector.report.units import (
     u_text,
     uncertainty_text,
 )
+from stair_inspector.stability import words_about
 from stair_inspector.viewer.markup import DIM, FLIGHT, LINE, chip, mm, pick_script, row_start, table_head, text
 from stair_inspector.viewer.remarks import on_page
 from stair_inspector.viewer.step_marks import StepMark, mark_html
@@ -246,12 +247,15 @@ def _step_row(
         is_worst = statistics is not None and step.step_id in (statistics.at or ())
         return f"the {name}'s {_worst_words(statistics, unit)}" if statistics is not None and is_worst else ""
 
+    def moves(name: str) -> str:
+        return words_about(inspection, step.step_id, name)
+
     cells = [
-        _cell(step.rise_m, unit, _why(inspection, step, "rise"), ("rise", worst_words("rise"))),
-        _cell(step.going_m, unit, _why(inspection, step, "going"), ("going", worst_words("going"))),
-        _cell(step.tread_depth_m, unit, _why(inspection, step, "depth")),
-        _cell(step.width_m, unit, _why(inspection, step, "width")),
-        _cell(step.pitch_deg, "°", _why(inspection, step, "pitch")),
+        _cell(step.rise_m, unit, _why(inspection, step, "rise"), moves("rise"), ("rise", worst_words("rise"))),
+        _cell(step.going_m, unit, _why(inspection, step, "going"), moves("going"), ("going", worst_words("going"))),
+        _cell(step.tread_depth_m, unit, _why(inspection, step, "depth"), moves("tread depth")),
+        _cell(step.width_m, unit, _why(inspection, step, "width"), moves("width")),
+        _cell(step.pitch_deg, "°", _why(inspection, step, "pitch"), moves("pitch")),
         f'<td style="{_CELL}">{mm(step.plane.rms_m, 2)}</td>',
         f'<td style="{_CELL}">{_coverage(step.coverage, _why(inspection, step, "coverage"))}</td>',
     ]
@@ -264,10 +268,11 @@ def _step_row(
     )
 
 
-def _cell(measured: Measured | None, unit: Shown, why: str, worst: tuple[str, str] = ("", "")) -> str:
+def _cell(measured: Measured | None, unit: Shown, why: str, moves: str = "", worst: tuple[str, str] = ("", "")) -> str:
     """Return a cell: the value, smaller its uncertainty, in the tooltip the uncertainty's parts.
 
-    ``worst`` is the quantity's name and the words why this value stands out, empty for one that does not.
+    ``moves`` says of a value how it hangs on the settings, empty for one that does not. ``worst`` is the quantity's
+    name and the words why this value stands out, empty for one that does not.
     """
     # The same room with and without an uncertainty, so that the values stand under each other. Fractions of inches
     # leave no room beside them: there it stands below.
@@ -283,6 +288,9 @@ def _cell(measured: Measured | None, unit: Shown, why: str, worst: tuple[str, st
             f'<span data-testid="worst-{name}" title="{text(words)}" '
             f'style="border-bottom:2px solid {_WORST}">{value}</span>'
         )
+    if moves:
+        # Something is in doubt that u does not hold.
+        value = f'<span data-testid="unsettled" title="{text(moves)}" style="color:{_WORST}">≈</span>{value}'
     return f'<td title="{text(hint)}" style="{_CELL}">{value}{small}±{u}</span></td>'
 
 
