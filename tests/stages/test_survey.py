@@ -22,6 +22,7 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
+from stair_inspector.stages.doubt import edge_doubt
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.survey import find_climbs, measure_survey
 
@@ -414,6 +415,90 @@ def test_layers_of_one_tread_are_its_own_and_of_most_are_all_treads():
     assert dict(survey_of(shapes).steps[0].rise_m.parts)["layers"] == pytest.approx(math.sqrt(2.0) * either, rel=1e-9)
 
 
+# What each quantity of the second of four steps hangs on: which shape, 1 for its own and 2 for the next one, and what
+# of it.
+EDGES_OF = {
+    "going_m": [(1, "front"), (2, "front")],
+    "tread_depth_m": [(1, "front"), (1, "back")],
+    "nosing_overhang_m": [(1, "back"), (2, "front")],
+    "width_m": [(1, "left"), (1, "right")],
+}
+LENGTHS = ("rise_m", *EDGES_OF)
+PLAIN = level_plane()
+
+
+def parts_with(k, name, **changes):
+    """The parts of the second step's values when one edge of the shapes differs."""
+    shapes = even()
+    shapes[k] = replace(shapes[k], **{name: replace(getattr(shapes[k], name), **changes)})
+    step = survey_of(shapes).steps[1]
+    return {quantity: dict(getattr(step, quantity).parts) for quantity in LENGTHS}
+
+
+@pytest.mark.parametrize("edge", sorted({edge for edges in EDGES_OF.values() for edge in edges}))
+def test_the_noise_and_the_doubt_of_every_edge_are_in_what_hangs_on_it_and_in_nothing_else(edge):
+    plain = parts_with(*edge)
+    noisy = parts_with(*edge, noise_m=0.003)
+    # That only the tread shows the edge.
+    doubted = parts_with(*edge, source="tread")
+    more = math.sqrt(edge_doubt(line(0.0, source="tread"), PLAIN) ** 2 - edge_doubt(line(0.0), PLAIN) ** 2)
+    assert more > 0.00005
+    for quantity, edges in EDGES_OF.items():
+        hangs = edge in edges
+        assert noisy[quantity].get("noise", 0.0) == pytest.approx(2.0 * 0.003 if hangs else 0.0, rel=1e-9)
+        added = math.sqrt(doubted[quantity]["edge"] ** 2 - plain[quantity]["edge"] ** 2)
+        assert added == (pytest.approx(2.0 * more, rel=1e-6) if hangs else 0.0)
+
+
+def test_every_edge_of_a_length_has_the_doubt_of_its_definition():
+    plain = parts_with(1, "front")
+    for quantity in EDGES_OF:
+        assert plain[quantity]["edge"] == pytest.approx(2.0 * math.sqrt(2.0) * edge_doubt(line(0.0), PLAIN))
+
+
+def test_what_is_stated_is_in_every_length():
+    step = survey_of(even(), doubts=UncertaintyParams(registration_m=0.004, scale_percent=0.4)).steps[1]
+    for quantity, length_m in zip(LENGTHS[:3] + LENGTHS[4:], (RISE, GOING, DEPTH, WIDTH), strict=True):
+        parts = dict(getattr(step, quantity).parts)
+        assert parts["registration"] == pytest.approx(2.0 * 0.004, rel=1e-9), quantity
+        assert parts["scale"] == pytest.approx(2.0 * 0.004 * length_m, rel=1e-9), quantity
+    # Between two edges at one place registration adds less.
+    assert dict(step.nosing_overhang_m.parts)["registration"] == pytest.approx(0.004, rel=1e-9)
+
+
+def test_a_side_that_is_stated_to_be_unsure_is_so_on_both_sides():
+    step = survey_of(even(), doubts=UncertaintyParams(side_m=0.01)).steps[1]
+    assert dict(step.width_m.parts)["edge"] == pytest.approx(2.0 * math.sqrt(2.0) * 0.01, rel=0.01)
+
+
+def test_up_is_in_every_length_between_two_heights_or_two_places_and_in_every_angle():
+    up = Up(np.array([0.0, 0.0, 1.0]), "floor", u_deg=1.0)
+    step = survey_of(even(), up=up).steps[1]
+    for quantity, apart_m in (("rise_m", GOING), ("going_m", RISE), ("nosing_overhang_m", RISE)):
+        expected = math.radians(1.0) * apart_m
+        assert dict(getattr(step, quantity).parts)["up"] == pytest.approx(expected, rel=1e-6), quantity
+    for quantity in ("pitch_deg", "fall_deg", "cross_fall_deg"):
+        assert dict(getattr(step, quantity).parts)["up"] == pytest.approx(1.0, rel=1e-6), quantity
+
+
+def test_limits_of_a_hidden_back_are_in_depth_and_overhang():
+    shapes = even()
+    shapes[1] = replace(shapes[1], back=None, back_limits=(0.28, 0.36))
+    step = survey_of(shapes).steps[1]
+    for quantity in ("tread_depth_m", "nosing_overhang_m"):
+        assert dict(getattr(step, quantity).parts)["edge"] == pytest.approx(0.04, rel=0.001)
+
+
+def test_the_pitch_has_what_its_going_and_its_rise_have():
+    shapes = even()
+    shapes[2] = replace(shapes[2], front=line(0.0, noise_m=0.003), nosing_noise=(0.0, 0.002, 0.0))
+    step = survey_of(shapes).steps[1]
+    rise, going = (dict(value.parts) for value in (survey_of(shapes).steps[2].rise_m, step.going_m))
+    assert (rise["noise"], going["noise"]) == (pytest.approx(0.004), pytest.approx(0.006))
+    expected = math.hypot(GOING * 0.004, RISE * 0.006) / (GOING**2 + RISE**2)
+    assert dict(step.pitch_deg.parts)["noise"] == pytest.approx(math.degrees(expected), rel=1e-9)
+
+
 def test_a_mean_width_is_surer_about_noise_alone():
     shapes = [replace(s, left=line(WIDTH / 2, noise_m=0.004, along_m=DEPTH / 2)) for s in even(4)]
     survey = survey_of(shapes, doubts=UncertaintyParams(registration_m=0.001))
@@ -454,6 +539,20 @@ def test_the_pitch_of_a_flight_fits_all_nosings():
     run = GOING * np.arange(6)
     slope = np.polyfit(run, heights, 1)[0]
     assert survey_of(shapes).flights[0].pitch_deg.value == pytest.approx(math.degrees(math.atan(slope)), abs=1e-9)
+
+
+def test_the_pitch_of_a_flight_of_two_nosings_is_as_unsure_as_that_from_one_to_the_other():
+    shapes = even(2)
+    shapes[1] = replace(shapes[1], front=line(0.0, noise_m=0.003), nosing_noise=(0.0, 0.002, 0.0))
+    up = Up(np.array([0.0, 0.0, 1.0]), "floor", u_deg=1.0)
+    survey = survey_of(shapes, up=up, doubts=UncertaintyParams(registration_m=0.004, edge_m=0.001))
+    flight, step = (dict(pitch.parts) for pitch in (survey.flights[0].pitch_deg, survey.steps[0].pitch_deg))
+    assert flight["noise"] == pytest.approx(step["noise"], rel=1e-6)
+    assert flight["up"] == pytest.approx(1.0, rel=1e-9)
+    per_metre = math.degrees(1.0) / (1.0 + (RISE / GOING) ** 2)
+    assert flight["registration"] == pytest.approx(2.0 * 0.004 / GOING * per_metre, rel=1e-6)
+    going = dict(survey.steps[0].going_m.parts)["edge"]
+    assert flight["edge"] == pytest.approx(RISE / GOING * going / GOING * per_metre, rel=1e-6)
 
 
 def test_steps_are_counted_through_the_flights():
