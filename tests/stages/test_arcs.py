@@ -31,6 +31,7 @@ def test_a_curved_flight_is_measured_on_its_own_arc(radius):
     assert (flight.shape, flight.n_risers) == ("curved", 8)
     assert abs(flight.radius_m.value - radius) <= 1.5 * flight.radius_m.u
     assert flight.radius_m.u < 0.03 * radius
+    assert {name for name, part in flight.radius_m.parts if part > 0.0} >= {"noise", "edge"}
     # Radii of the three lines: 35 % of the width inside the middle line, on it and outside.
     wanted = curve.going * (radius + np.array([-0.35, 0.0, 0.35]) * curve.width) / radius
     goings = goings_of(steps)

@@ -614,3 +614,15 @@ def test_one_odd_nosing_does_not_turn_the_common_climb():
     shapes[3] = replace(shapes[3], front=line(0.0, slope=0.2))
     for climb in find_climbs(chain_of(shapes), tuple(shapes)):
         np.testing.assert_allclose(climb, ALONG_X, atol=1e-12)
+
+
+@pytest.mark.parametrize("sides", [("left",), ("right",), ("left", "right")])
+def test_not_knowing_the_sides_of_a_wedge_is_not_knowing_where_its_going_is_measured(sides):
+    shapes = winding(8, 25.0)
+    plain = survey_of(shapes).steps[3].going_m
+    shapes[3] = replace(shapes[3], **{side: replace(getattr(shapes[3], side), noise_m=0.01) for side in sides})
+    unsure = survey_of(shapes).steps[3].going_m
+    added = math.sqrt(dict(unsure.parts)["edge"] ** 2 - dict(plain.parts)["edge"] ** 2)
+    # The middle moves by half of what a side does, and the going grows by the turn's tangent with every metre outwards.
+    moved_m = math.sqrt(len(sides)) * 0.01 / 2.0
+    assert added == pytest.approx(2.0 * moved_m * math.tan(math.radians(25.0)), rel=1e-6)
