@@ -87,12 +87,14 @@ class Examination:
 
     ``steps_m`` (3,) is the step of the coordinates on each axis of the scan, metres: as decimals, the scale of an
     integer format, a voxel lattice or float32 far from zero leave it; 0 where none shows. ``layers_m`` is how far
-    doubled surfaces lie apart, 0 where none are.
+    doubled surfaces lie apart, 0 where none are. ``is_thinned`` says that the points fill a lattice of these steps,
+    one in each cell.
     """
 
     observations: tuple[Observation, ...]
     steps_m: Floats
     layers_m: float = 0.0
+    is_thinned: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

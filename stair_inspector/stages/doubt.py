@@ -3,8 +3,11 @@
 Every function takes and returns standard uncertainties (k = 1); :func:`expanded` makes the ``u`` (k = 2) that is shown.
 """
 
+import itertools
 import math
 from collections.abc import Sequence
+
+import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
@@ -109,6 +112,36 @@ def rounding_doubt(normal: Floats, reaches: Sequence[Floats], sigma_m: float, st
             left = math.exp(-2.0 * (math.pi * k * noise) ** 2) * smoothed
             variance += (normal[axis] * step_m * left / (math.pi * k)) ** 2 / 2.0
     return math.sqrt(variance)
+
+
+def thinning_doubt(normal: Floats, reach: Floats, steps_m: Floats) -> float:
+    """Return what a lattice that is filled with one point a cell leaves uncertain of where a surface lies, metres.
+
+    Parameters
+    ----------
+    normal : (3,)
+        Unit vector, in the axes of the lattice.
+    reach : (3,)
+        From one end of the surface to the other, along it, same axes.
+    steps_m : (3,)
+        Sides of a cell.
+
+    Notes
+    -----
+    Whatever of the surface lies in a cell, the cell counts once: a surface along a family of lattice planes seems to
+    lie on one of them or between two, and noise does not average that out as it does for rounded points. The planes
+    with the indices h are D = 1 / |h / steps| apart; an even error over one distance has the variance D**2 / 12. A
+    surface that slants through c of them keeps 1 / (pi c) of it. The family that leaves most counts.
+    """
+    worst = 0.0
+    for index in itertools.product((-1, 0, 1), repeat=3):
+        if any(index):
+            wave = np.array(index) / steps_m
+            apart_m = 1.0 / float(np.linalg.norm(wave))
+            cycles = abs(float(wave @ reach))
+            faces = abs(float(wave @ normal)) * apart_m
+            worst = max(worst, faces * apart_m / math.sqrt(12.0) / max(1.0, math.pi * cycles))
+    return worst
 
 
 def layers_doubt(apart_m: float) -> float:

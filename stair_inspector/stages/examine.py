@@ -48,6 +48,8 @@ _CURES = {
 
 _TORN_M = 0.015
 """Surfaces that are double by so much are two height clusters, and steps would be counted twice."""
+_FILLED = 1.5
+"""Spacing of points that fill a lattice, in its steps."""
 
 
 def examine(scan: Scan) -> Examination:
@@ -83,7 +85,10 @@ def examine(scan: Scan) -> Examination:
         found.append(Observation("cloud_mirrored", "doubt", message, None, _CURES["cloud_mirrored"]))
     if TREAD_M2 / spacing_m**2 < POINTS_PER_TREAD:
         found.append(_observe_sparse(spacing_m, round(TREAD_M2 / spacing_m**2)))
-    return Examination(tuple(found), steps.steps_m, max((way.apart_m for way in doubled), default=0.0))
+    # One point in each cell: no two are alike, and none is farther from the next than a cell or its diagonal.
+    is_thinned = scan.repeats is None and bool(steps.steps_m.all()) and spacing_m < _FILLED * float(steps.steps_m.max())
+    layers_m = max((way.apart_m for way in doubled), default=0.0)
+    return Examination(tuple(found), steps.steps_m, layers_m, is_thinned)
 
 
 def with_questions(observations: tuple[Observation, ...], stated: UncertaintyParams) -> tuple[Observation, ...]:

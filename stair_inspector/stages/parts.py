@@ -9,7 +9,7 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.model import Examination, LocalPlane, StepShape, Up
 from stair_inspector.params import UncertaintyParams
-from stair_inspector.stages.doubt import edge_doubt, layers_doubt, noise_before_rounding, rounding_doubt
+from stair_inspector.stages.doubt import edge_doubt, layers_doubt, noise_before_rounding, rounding_doubt, thinning_doubt
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,6 +25,7 @@ class Common:
     scan_from_level: Floats
     steps_m: Floats
     layers_m: float
+    is_thinned: bool
 
     @classmethod
     def of(cls, up: Up, doubts: UncertaintyParams, level_from_scan: Floats, examined: Examination | None) -> "Common":
@@ -39,6 +40,7 @@ class Common:
             scan_from_level=level_from_scan.T,
             steps_m=np.zeros(3) if examined is None else examined.steps_m,
             layers_m=0.0 if examined is None else examined.layers_m,
+            is_thinned=examined is not None and examined.is_thinned,
         )
 
 
@@ -132,7 +134,12 @@ class Doubts:
         return normal
 
     def _rounding(self, normal: Floats, reach: Floats, sigma_m: float) -> float:
-        return rounding_doubt(normal, (self._common.scan_from_level @ reach,), sigma_m, self._common.steps_m)
+        turned = self._common.scan_from_level @ reach
+        if self._common.is_thinned:
+            # A cell counts once, however many points lay in it: there noise averages nothing out.
+            rounded = rounding_doubt(normal, (turned,), 0.0, self._common.steps_m)
+            return max(rounded, thinning_doubt(normal, turned, self._common.steps_m))
+        return rounding_doubt(normal, (turned,), sigma_m, self._common.steps_m)
 
 
 def _left_of(climb: Floats) -> Floats:

@@ -16,6 +16,7 @@ from stair_inspector.stages.doubt import (
     rounding_doubt,
     slope_doubt,
     surface_doubt,
+    thinning_doubt,
 )
 
 
@@ -107,6 +108,32 @@ def test_a_surface_that_slants_through_many_steps_keeps_a_tenth():
     doubts = [rounding_doubt(UPRIGHT, (np.array([1.0, 0.0, drop]),), 0.0, STEPS) for drop in (0.0, 0.004, 0.02, 1.0)]
     assert doubts == sorted(doubts, reverse=True)
     assert doubts[-1] == pytest.approx(0.1 * doubts[0], rel=0.01)
+
+
+@pytest.mark.parametrize("turn_deg", [0.0, 45.0, 37.0])
+def test_of_a_lattice_with_one_point_a_cell_a_face_is_off_as_thinning_says(turn_deg):
+    rng = np.random.default_rng(8)
+    step_m, width_m = 0.02, 1.0
+    angle = math.radians(turn_deg)
+    normal, along = (
+        np.array([math.cos(angle), math.sin(angle), 0.0]),
+        np.array([-math.sin(angle), math.cos(angle), 0.0]),
+    )
+    errors = []
+    for place_m in np.linspace(0.0, step_m, 40, endpoint=False):
+        w, z = rng.uniform(0.0, [[width_m], [0.17]], (2, 10_000))
+        face = (place_m + 0.001 * rng.standard_normal(10_000))[:, None] * normal + w[:, None] * along
+        face[:, 2] = z
+        cells = np.unique(np.rint(face / step_m), axis=0) * step_m
+        errors.append((cells @ normal).mean() - place_m)
+    steps_m = np.full(3, step_m)
+    found = max(
+        thinning_doubt(normal, width_m * along, steps_m), rounding_doubt(normal, (width_m * along,), 0.0, steps_m)
+    )
+    off_m = math.sqrt(float(np.mean(np.square(errors))))
+    assert off_m <= 1.2 * found
+    # Not so large that it says nothing, where the face lies along the lattice or its diagonal.
+    assert turn_deg == 37.0 or found <= 2.0 * off_m
 
 
 def test_rounding_and_spreading_add_the_variance_of_two_even_distributions():

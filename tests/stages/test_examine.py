@@ -1,5 +1,7 @@
 """What is said about a scan before it is measured."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from stair_inspector.model import Observation
 from stair_inspector.params import UncertaintyParams
 from stair_inspector.stages.examine import examine, size_text, with_questions
 from tests.stages.test_coordinate_steps import POINTS, UTM, as_float32, scan_of, voxels
-from tests.synthetic import Stair, rotation
+from tests.synthetic import Stair, make_scan, rotation
 
 ABOVE = np.array([0.0, 0.0, 0.02])
 
@@ -61,6 +63,16 @@ def test_a_lattice_upright_and_turned():
     turned = only(centres @ rotation("z", 20.0).T)
     assert (turned.code, turned.size_m) == ("points_on_lattice", pytest.approx(0.02))
     assert "20 mm, turned against the axes" in turned.message
+
+
+def test_a_lattice_that_holds_each_cell_once_is_told_from_rounded_points():
+    points = np.random.default_rng(4).uniform(0.0, [2.0, 1.0, 0.001], (40_000, 3))
+    points[:, 2] += 0.2 * points[:, 0]
+    cells, repeats = np.unique(np.rint(points / 0.02), axis=0, return_counts=True)
+    voxels = make_scan(cells * 0.02)
+    assert examine(voxels).is_thinned
+    assert not examine(replace(voxels, repeats=repeats)).is_thinned
+    assert not examine(make_scan(points)).is_thinned
 
 
 def test_the_share_is_said_where_only_some_points_lie_on_it():
