@@ -807,3 +807,31 @@ def test_a_u_that_rounds_to_nothing_is_not_shown_as_nothing():
 def test_a_margin_that_rounds_to_nothing_is_not_shown_as_nothing():
     inspection = inspection_of(changed(even(rise=0.15), 3, rise_m=measured(0.170004, 0.001)))
     assert "outside by less than 0.01 mm, which is less than U" in check_text(judged(inspection, RISER))
+
+
+def test_a_scan_is_as_fit_as_its_most_uncertain_value():
+    steps = changed(even(5, 0.0004), 3, rise_m=measured(0.165, 0.0123))
+    (fit,) = judged(inspection_of(steps, registration_m=0.001), RISER).fits
+    assert fit.u == pytest.approx(0.0123)
+
+
+@pytest.mark.parametrize("number", [2, 3, 4])
+def test_what_a_nosing_that_is_none_takes_from_its_neighbours_is_said_at_them(number):
+    words = f"step {number}: what was found is not its nosing"
+    steps = changed(even(6), 3, going_m=None)
+    found = judged(inspection_of(steps, notes=[("step_impossible", words, number)]), GOING).of_step(3)[0]
+    assert (found.verdict, found.reason) == (Verdict.NOT_MEASURED, words)
+
+
+@pytest.mark.parametrize("number", [1, 5])
+def test_a_nosing_farther_away_takes_nothing(number):
+    steps = changed(even(6), 3, going_m=None)
+    notes = [("step_impossible", "words", number)]
+    assert "words" not in judged(inspection_of(steps, notes=notes), GOING).of_step(3)[0].reason
+
+
+def test_of_a_single_value_the_range_does_not_apply_unless_others_are_missing():
+    (alone,) = judged(inspection_of(even(2)), GOING_RANGE).findings
+    assert alone.reason == "does not apply: a single step differs from nothing"
+    (missing,) = judged(inspection_of(changed(even(3), 2, going_m=None)), GOING_RANGE).findings
+    assert missing.reason.startswith("1 of 2 values are missing")
