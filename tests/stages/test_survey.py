@@ -22,7 +22,7 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
-from stair_inspector.stages.doubt import edge_doubt
+from stair_inspector.stages.doubt import edge_doubt, slope_doubt
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.survey import find_climbs, measure_survey
 
@@ -487,6 +487,25 @@ def test_limits_of_a_hidden_back_are_in_depth_and_overhang():
     step = survey_of(shapes).steps[1]
     for quantity in ("tread_depth_m", "nosing_overhang_m"):
         assert dict(getattr(step, quantity).parts)["edge"] == pytest.approx(0.04, rel=0.001)
+    # The nosing in front is as unsure as ever.
+    step = survey_of(shapes, doubts=UncertaintyParams(edge_m=0.02)).steps[1]
+    assert dict(step.tread_depth_m.parts)["edge"] == pytest.approx(math.hypot(0.04, 0.04), rel=0.001)
+
+
+def test_the_fall_of_a_tread_is_as_unsure_as_its_plane_and_its_surface():
+    def noise_of(plane):
+        shapes = [replace(s, plane=replace(plane, z0_m=s.plane.z0_m)) for s in even()]
+        step = survey_of(shapes).steps[1]
+        return dict(step.fall_deg.parts).get("noise", 0.0), dict(step.cross_fall_deg.parts).get("noise", 0.0)
+
+    by_points = replace(level_plane(), covariance=np.diag([0.0, 0.002**2, 0.003**2]))
+    assert noise_of(by_points) == pytest.approx([2.0 * math.degrees(0.002), 2.0 * math.degrees(0.003)], rel=1e-6)
+    # What of smooth errors a fit does not see tips a tread along the climb.
+    smooth = level_plane(sigma_m=0.001)
+    expected = 2.0 * math.degrees(slope_doubt(smooth, DEPTH))
+    assert noise_of(smooth) == pytest.approx([expected, 0.0], rel=1e-6)
+    both = replace(smooth, covariance=by_points.covariance)
+    assert noise_of(both)[0] == pytest.approx(math.hypot(2.0 * math.degrees(0.002), expected), rel=1e-6)
 
 
 def test_the_pitch_has_what_its_going_and_its_rise_have():
