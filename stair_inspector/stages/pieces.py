@@ -14,10 +14,11 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Chain, Chains, Horizontal, Patches, Surface
+from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, Patches, Surface
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.bars import surface_of_rows
 from stair_inspector.stages.flights import find_chains
+from stair_inspector.stages.foot import without_floor_strips
 from stair_inspector.stages.links import depth_along, height_at
 from stair_inspector.stages.nosings import straight_climb
 from stair_inspector.stages.rejects import Forced
@@ -41,13 +42,18 @@ _LEAST_ROWS = 20
 
 
 def find_flights(
-    horizontal: Horizontal, patches: Patches, params: FlightsParams, least_area_m2: float, forced: Forced
+    heights: HeightOrder,
+    horizontal: Horizontal,
+    patches: Patches,
+    params: FlightsParams,
+    least_area_m2: float,
+    forced: Forced,
 ) -> tuple[Patches, Chains]:
     """Chain surfaces into flights, and put the pieces of their treads together.
 
     Parameters
     ----------
-    horizontal, patches
+    heights, horizontal, patches
         Of one scan.
     params, least_area_m2, forced
         As :func:`stair_inspector.stages.flights.find_chains` takes them.
@@ -58,7 +64,7 @@ def find_flights(
         The same object where no tread is in pieces. Else a tread holds the points of all its pieces, which keep their
         numbers and say of which surface they are part.
     chains : Chains
-        Of these surfaces.
+        Of these surfaces, without strips of floor.
     """
     chains = find_chains(patches, params, least_area_m2, forced)
     for _ in range(_ROUNDS):
@@ -67,7 +73,7 @@ def find_flights(
             break
         patches = better
         chains = find_chains(patches, params, least_area_m2, forced)
-    return patches, chains
+    return patches, without_floor_strips(heights, patches, chains, forced)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
 from stair_inspector.model import Normals, Note, Scan, Surface, Up
 from stair_inspector.params import FlightsParams, HorizontalParams, LevelsParams, PatchesParams
 from stair_inspector.stages.flights import find_chains
+from stair_inspector.stages.foot import without_floor_strips
 from stair_inspector.stages.levels import find_height_reach, find_levels, select_horizontal
 from stair_inspector.stages.orient import order_by_height
 from stair_inspector.stages.patches import split_levels
@@ -130,6 +131,7 @@ def _slopes(scan: Scan, normals: Normals, up: Up, limits: FlightsParams) -> _Slo
     levels = find_levels(horizontal, find_height_reach(horizontal, params.eps_m), params)
     patches = split_levels(horizontal, levels, PatchesParams(), params)
     chains = find_chains(patches, limits, PatchesParams().min_area_m2, Forced({}))
+    chains = without_floor_strips(heights, patches, chains, Forced({}))
     numbers = sorted({k for chain in chains.chains for k in chain.steps})
     if not numbers:
         return None
