@@ -33,7 +33,8 @@ _GOES_ON_UP = 0.35
 _LEVEL_RISES = 0.2
 """How far from where the rhythm says a tread may lie, in rises."""
 _ENOUGH_TREAD = 0.5
-
+_OF_THE_FOOT = ("foot_unclear", "foot_tall", "treads_missing")
+"""Notes that say already what is known of a flight's lower end."""
 _BEHIND_GOINGS, _BEHIND_RISES = 1.0, 2.0
 """How far behind the last tread, and how high, there must be something for the scan not to end there."""
 
@@ -90,26 +91,33 @@ def note_what_goes_on(
     Survey
         ``Flight.goes_on`` and a note where at least two more rows of risers or treads follow at the flight's rise and
         going. A flight that ends at a landing has ended; a wall has no rows. Where a flight ends with a tread and
-        nothing at all was scanned behind it, a note says that the scan ends there.
+        nothing at all was scanned behind it, a note says that the scan ends there; where something was, but neither
+        floor nor landing, that the flight may go on.
     """
     flights: list[Flight] = []
     notes: list[Note] = []
     for chain, own, flight in zip(chains.chains, shapes, survey.flights, strict=True):
         kinds = [step.kind for step in survey.steps if step.step_id in flight.step_ids]
         found: list[str] = []
+        is_above, is_below, has_riser = kinds[-1] == "tread", chain.base is None, False
         if flight.rise is not None and flight.going is not None and flight.going.n >= _FEWEST_GOINGS:
             climbs = find_climbs(chain, own)
             size = flight.rise.mean, flight.going.mean
             others = [shape for each in shapes if each is not own for shape in each]
-            if kinds[-1] == "tread":
+            if is_above:
                 rhythm = _rhythm_of(own[-1], climbs[-1], size)
                 above = _sentence(_rows(heights, rhythm, others, "above"), "above")
-                found += above
-                if not above and _is_nothing_behind(heights, rhythm):
+                row, _ = _row(heights, rhythm, rhythm.going_m, 1, "above")
+                is_above, has_riser, found = not above, row is not None and row.has_face, found + above
+                if is_above and _is_nothing_behind(heights, rhythm):
                     notes.append(_scan_ends(flight))
-            if chain.base is None:
+                    is_above = False
+            if is_below:
                 rhythm = _rhythm_of(own[0], climbs[0], size)
-                found += _sentence(_rows(heights, rhythm, others, "below"), "below")
+                below = _sentence(_rows(heights, rhythm, others, "below"), "below")
+                is_below, found = not below, found + below
+        is_told = any(note.code in _OF_THE_FOOT for note in survey.notes)
+        notes += _unseen_ends(flight, is_above, has_riser, is_below and not is_told)
         if not found:
             flights.append(flight)
             continue
@@ -141,6 +149,18 @@ def _is_nothing_behind(heights: HeightOrder, rhythm: _Rhythm) -> bool:
     is_behind = (s >= -reach_m) & (s <= _BEHIND_GOINGS * rhythm.going_m)
     is_behind &= np.abs(w) <= rhythm.half_width_m * (1.0 - 2.0 * _INSET)
     return int(np.count_nonzero(is_behind)) < _FEWEST_POINTS
+
+
+def _unseen_ends(flight: Flight, is_above: bool, has_riser: bool, is_below: bool) -> list[Note]:
+    """Say which ends of a flight the scan does not show: it may go on there."""
+    first, last = flight.step_ids[0], flight.step_ids[-1]
+    ends = []
+    if is_above:
+        behind = ", behind which a riser's face is seen" if has_riser else ""
+        ends.append(f"its upper end was not seen: there may be more risers above step {last}{behind}")
+    if is_below:
+        ends.append(f"its lower end was not seen: there may be more risers below step {first}")
+    return [Note("end_unseen", "survey", f"flight {flight.flight_id} may go on: {'; '.join(ends)}")] if ends else []
 
 
 def _rhythm_of(shape: StepShape, climb: Floats, size: tuple[float, float]) -> _Rhythm:

@@ -23,6 +23,7 @@ EVEN = Stair(
 """Within every code that is held against it, by more than a millimetre."""
 UNEVEN = replace(EVEN, n_risers=8, rise_m=0.16, rise_errors_m="5:0.014")
 TLS = replace(PROFILES["tls_good"], spacing_m=0.007, standoff_m=1.8)
+WALL_GAP_M = 0.001
 YAWS_DEG = (0.0, 37.0, 45.0)
 
 
@@ -31,7 +32,8 @@ class Variant:
     """A scan in its file's own unit, and what is true of it.
 
     ``points`` (n, 3) file unit; ``nosings`` the two ends of every true nosing, metres, in the file's frame; ``truths``
-    the true values of each, metres; ``uneven_step`` the step whose riser is out of the limits, where there is one.
+    the true values of each, metres; ``uneven_step`` the step whose riser is out of the limits, where there is one;
+    ``preset`` the settings that its user chooses.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Variant:
     truths: tuple[dict[str, float | None], ...] = ()
     uneven_step: int | None = None
     is_partly_seen: bool = False
+    preset: str = "tls"
 
     @property
     def is_uneven(self) -> bool:
@@ -63,6 +66,7 @@ def variant_of(
     points_of: Callable[[SimulatedScan], np.ndarray] = lambda scan: scan.points,
     uneven_step: int | None = None,
     is_partly_seen: bool = False,
+    preset: str = "tls",
 ) -> Variant:
     """Scan a staircase, turn and shift it, give it another unit and spoil it, in this order."""
     simulated = _scanned(stair, scanner)
@@ -75,18 +79,20 @@ def variant_of(
     truths = [truth for truth in simulated.building.steps if not truth.is_missing]
     nosings = [moved(output_from_stair(stair, np.array(truth.nosing))) for truth in truths]
     values = []
+    # Nobody sees the gaps by which the simulator's walls stand off the treads: a tread is as wide as what it fills.
+    gaps_m = {"none": 0.0, "both": 2.0 * WALL_GAP_M}.get(stair.wall, WALL_GAP_M)
     for truth in truths:
         is_landing = truth.kind == "landing"
         values.append(
             {
                 "rise": truth.rise_m,
                 "going": None if is_landing else truth.going_m,
-                "width": None if is_landing else truth.width_m,
+                "width": None if is_landing else truth.width_m + gaps_m,
             }
         )
     points = spoil(moved(points_of(simulated)) / METRES_PER_UNIT[unit])
     pairs = tuple((nosing[0], nosing[1]) for nosing in nosings)
-    return Variant(name, points, pairs, tuple(values), uneven_step, is_partly_seen)
+    return Variant(name, points, pairs, tuple(values), uneven_step, is_partly_seen, preset)
 
 
 def on_step(step_m: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -165,11 +171,65 @@ def camera_views(seed: int) -> Iterator[Variant]:
             noise_m=0.002,
             seed=seed,
         )
-        angle = np.radians(pitch)
-        forward = np.array([np.cos(angle), 0.0, -np.sin(angle)])
-        right = np.array([0.0, -1.0, 0.0])
-        turn = np.stack([right, np.cross(forward, right), forward])
-        yield variant_of(f"pitch {pitch:g}, seed {seed}", stair, camera, turn, is_partly_seen=True)
+        name = f"pitch {pitch:g}, seed {seed}"
+        yield variant_of(name, stair, camera, optical_frame(pitch), is_partly_seen=True)
+
+
+def camera_frames(seed: int) -> Iterator[Variant]:
+    """Frames of a depth camera whose origin is the camera: from 1 to 4 m, of a robot or a hand, level to steep.
+
+    Every second one as cameras that triangulate are: noise that grows with the square of the range and that
+    neighbouring pixels have in common, measured with the preset of such cameras.
+    """
+    rng = np.random.default_rng(1000 + seed)
+    for k in range(10):
+        pitch = float(rng.uniform(0.0, 40.0))
+        is_noisy = k % 2 == 1
+        stair = replace(
+            EVEN,
+            n_risers=int(rng.integers(4, 10)),
+            wall=str(rng.choice(["both", "left", "none"])),
+            floor_front_m=4.6,
+            floor_width_m=3.0,
+        )
+        camera = Scanner(
+            stations=1,
+            sensor_height_m=float(rng.uniform(0.3, 1.7)),
+            standoff_m=float(rng.uniform(1.0, 4.0)),
+            azimuth_step_deg=0.22,
+            elevation_step_deg=0.22,
+            azimuth_width_deg=80.0,
+            elevation_low_deg=-pitch - 30.0,
+            elevation_high_deg=-pitch + 30.0,
+            range_max_m=6.0,
+            spacing_m=0.0,
+            noise_m=0.002,
+            range_noise_m=0.0015 if is_noisy else 0.0,
+            noise_patch_rays=5 if is_noisy else 1,
+            seed=100 * seed + k,
+        )
+        turn = optical_frame(pitch)
+        place = turn @ np.array(_scanned(stair, camera).stations[0].position)
+        name = (
+            f"{camera.sensor_height_m:.2f} m high, {camera.standoff_m:.1f} m away, pitch {pitch:.0f}, seed {seed}-{k}"
+        )
+        yield variant_of(
+            name,
+            stair,
+            camera,
+            turn,
+            shift_m=(-float(place[0]), -float(place[1]), -float(place[2])),
+            is_partly_seen=True,
+            preset="depth_camera" if is_noisy else "tls",
+        )
+
+
+def optical_frame(pitch_deg: float) -> np.ndarray:
+    """A turn (3, 3) from the stair's axes to those of a camera that looks ahead and so far down: right, down, ahead."""
+    angle = np.radians(pitch_deg)
+    forward = np.array([np.cos(angle), 0.0, -np.sin(angle)])
+    right = np.array([0.0, -1.0, 0.0])
+    return np.stack([right, np.cross(forward, right), forward])
 
 
 def from_the_foot(seed: int) -> Iterator[Variant]:
@@ -292,6 +352,7 @@ KINDS: dict[str, Callable[[int], Iterator[Variant]]] = {
     "other axes up": other_axes,
     "other units": other_units,
     "depth camera, level view": camera_views,
+    "depth camera, own frame": camera_frames,
     "seen from the foot": from_the_foot,
     "sparse": sparse,
     "stations apart": stations_apart,

@@ -43,7 +43,16 @@ _MATTERS_MM = {"rise": 1.0, "going": 2.0, "width": 5.0}
 _USEFUL_MM = {"rise": 5.0, "going": 10.0}
 """Median u up to which a scan's values are of use."""
 _MOST_BEYOND = 0.1
-_TOLD = ("treads_missing", "goes_on", "foot_unclear", "foot_tall", "settings_do_not_fit", "withheld")
+_TOLD = (
+    "tread_missing",
+    "treads_missing",
+    "goes_on",
+    "end_unseen",
+    "foot_unclear",
+    "foot_tall",
+    "settings_do_not_fit",
+    "withheld",
+)
 """Notes that say that treads are there and not measured."""
 
 
@@ -65,7 +74,7 @@ def examine_variant(variant: Variant, folder: Path) -> tuple[str, list[str], dic
     ratios: dict[str, list[float]] = {name: [] for name in QUANTITIES}
     try:
         scan = read_scan(path)
-        inspection = inspect(scan, find_preset("tls").params)
+        inspection = inspect(scan, find_preset(variant.preset).params)
     except (ReadError, CannotMeasure) as error:
         return "withheld", [str(error)], ratios
     if inspection.questions:

@@ -109,3 +109,30 @@ def test_a_wall_or_a_riser_behind_the_last_tread_is_no_end_of_the_scan(n_risers)
     *_, inspection = found(points, normals)
     assert len(inspection.steps) == 4
     assert "scan_ends" not in {note.code for note in inspection.notes}
+
+
+def ends_of(points, normals):
+    return [note.message for note in found(points, normals)[2].notes if note.code == "end_unseen"]
+
+
+def test_a_flight_without_a_landing_may_go_on():
+    said = "flight 1 may go on: its upper end was not seen: there may be more risers above step 4"
+    assert ends_of(*seen_from_the_foot(STAIR, 4, 5)) == [f"{said}, behind which a riser's face is seen"]
+    # What is counted beyond, and the end of the scan, need no more words.
+    assert ends_of(*seen_from_the_foot(STAIR, 4, 8)) == ends_of(*seen_from_the_foot(STAIR, 4, 4)) == []
+
+
+def test_a_flight_between_floor_and_landing_has_both_ends():
+    points, normals = replace(STAIR, n_steps=4).sample()
+    # The highest tread once more, three goings deeper.
+    is_top = (normals[:, 2] > 0.5) & (points[:, 2] > 3.5 * STAIR.rise)
+    deeper = [points[is_top] + [k * STAIR.going, 0.0, 0.0] for k in (1, 2, 3)]
+    points = np.concatenate([points, *deeper])
+    assert ends_of(points, np.concatenate([normals, *[normals[is_top]] * 3])) == []
+
+
+def test_a_flight_of_which_the_foot_is_cut_off_may_go_on_below():
+    points, normals = replace(STAIR, n_steps=5).sample()
+    is_high = points[:, 2] > 0.4 * STAIR.rise
+    (note,) = ends_of(points[is_high], normals[is_high])
+    assert note == "flight 1 may go on: its lower end was not seen: there may be more risers below step 1"
