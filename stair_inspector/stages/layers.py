@@ -28,6 +28,9 @@ _SAME_PLACE_M = 0.025
 """Two layers lie over each other; a skirting board lies beside the wall that it stands before."""
 _OVER_EACH_OTHER = 1.0
 """The same as a share of the lesser extent (1 sigma): the front of a nosing stands above the riser, not over it."""
+_INNER, _LEAST_INNER = (0.16, 0.84), 0.15
+"""Of points that lie over the other layer, almost half lie within these shares of its extent, both ways along; the
+fronts of the nosings above and below a riser lie at its ends."""
 _FEWEST_CELLS = 10
 _LEAST_SHARE = 0.2
 _AGREEING = 0.6
@@ -204,7 +207,20 @@ class _Cells:
         off_centre = np.abs(r - 0.5 * (centre_low + centre_high)[number])
         between = np.bincount(number[off_centre <= 0.1 * apart[number]], minlength=len(counts)) / counts
         is_double = (apart >= _LEAST_RATIO * scatter) & (between <= _MOST_BETWEEN) & is_over.all(axis=0)
+        for k in np.flatnonzero(is_double):
+            cell = slice(starts[k], starts[k] + counts[k])
+            is_double[k] = _lie_over_each_other(plan[:, cell][:, is_low[cell]], plan[:, cell][:, ~is_low[cell]])
         return _Split(apart, is_double, middle)
+
+
+def _lie_over_each_other(low: Floats, high: Floats) -> bool:
+    """Return whether two layers (2, n) cover the same place, and none only the ends of the other."""
+    for layer, other in ((low, high), (high, low)):
+        ends = np.quantile(other, _INNER, axis=1)
+        is_inner = (layer >= ends[0][:, None]) & (layer <= ends[1][:, None])
+        if is_inner.all(axis=0).mean() < _LEAST_INNER:
+            return False
+    return True
 
 
 def _middle(normals: Floats) -> Floats:

@@ -91,6 +91,20 @@ def test_a_skirting_before_a_wall_is_no_second_layer():
     assert find_doubled(wall, EXACT) == ()
 
 
+@pytest.mark.parametrize("pitch_deg", [0.0, 20.0, 34.0])
+def test_the_fronts_of_nosings_are_no_second_layer_over_their_risers(pitch_deg):
+    # From above a nosing's shadow parts its front from the riser; the next front is seen below the same riser.
+    stair = Stair(n_steps=7, risers=True, spacing=0.01, floor_depth=1.5)
+    parts = [points for points, _ in stair.parts()]
+    treads, risers = parts[: stair.n_steps + 1], parts[stair.n_steps + 1 :]
+    tops = [k * stair.rise for k in stair.step_ids]
+    fronts = [riser[riser[:, 2] > top - 0.03] - [0.02, 0.0, 0.0] for riser, top in zip(risers, tops, strict=True)]
+    seen = [riser[riser[:, 2] < top - 0.045] for riser, top in zip(risers, tops, strict=True)]
+    points = np.concatenate([*treads, *fronts, *seen])
+    points = points + np.random.default_rng(3).normal(0.0, 0.001, points.shape)
+    assert find_doubled(points @ rotation("y", pitch_deg).T, EXACT) == ()
+
+
 @pytest.mark.parametrize("step_mm", [1, 5, 10, 20])
 def test_the_layers_of_rounded_coordinates_are_none(step_mm):
     step_m = step_mm / 1000.0
