@@ -342,9 +342,9 @@ def _place(
         level, upright = level[::-1], upright[::-1]
     sums = [_summed(level > 0.3), _summed(upright > 0.3)]
     k = np.arange(math.ceil(size[1] / high) + 1)
-    starts = np.arange(round(high)), np.arange(-round(k[-1] * going), size[0])
-    a0, b0 = (each.ravel() for each in np.meshgrid(*starts, indexing="ij"))
     reach, thick = _LEVEL_REACH, 2 * _LEVEL_REACH + 1
+    # What is filled is quickly counted; only where that is most is it asked which faces end there.
+    a0, b0 = _fullest_places(sums, period, size)
 
     def treads(shift: float, lift: float) -> Floats:
         place = b0[:, None] + (k + shift) * going, a0[:, None] + (k + lift) * high - reach
@@ -354,10 +354,6 @@ def _place(
         place = b0[:, None] + (k + shift) * going - reach, a0[:, None] + (k - 1.0 + lift) * high
         return _filled(sums[1], *place, thick, high) / high
 
-    # What is filled is quickly counted; only where that is most is it asked which faces end there.
-    seen = np.count_nonzero(treads(0, 0) >= _SEEN_SHARE, axis=1) + np.count_nonzero(risers(0, 0) >= _SEEN_SHARE, axis=1)
-    kept = np.argsort(-seen, kind="stable")[:_PLACES]
-    a0, b0 = a0[kept], b0[kept]
     b, a = b0[:, None] + k * going, a0[:, None] + k * high
     tread, riser = treads(0, 0), risers(0, 0)
     is_level, is_upright = tread >= _SEEN_SHARE, riser >= _SEEN_SHARE
@@ -377,14 +373,34 @@ def _place(
     if not len(numbered):
         return []
     lowest = int(numbered[0])
-    numbers = [
-        tuple(int(row) - lowest for row in np.flatnonzero(mask[best]))
-        for mask in (ends_level, ends_upright, is_level & ~ends_level, is_upright & ~ends_upright)
-    ]
+
+    def numbers(mask: Bools) -> tuple[int, ...]:
+        return tuple(int(row) - lowest for row in np.flatnonzero(mask[best]))
+
+    faces_seen = numbers(ends_level), numbers(ends_upright)
+    run_on = numbers(is_level & ~ends_level), numbers(is_upright & ~ends_upright)
     corner = np.array([b[best, lowest], a[best, lowest]], dtype=np.float64)
     if sign < 0.0:
         corner[0] = size[0] - 1 - corner[0]
-    return [(going, rise, corner, *numbers, int(joints[best]))]  # type: ignore[list-item]
+    return [(going, rise, corner, *faces_seen, *run_on, int(joints[best]))]
+
+
+def _fullest_places(sums: list[Floats], period: tuple[float, float], size: tuple[int, ...]) -> tuple[Floats, Floats]:
+    """Return where a rhythm meets most filled faces: offsets up and ahead (places,), bins, the fullest first."""
+    going, high = period[0], abs(period[1])
+    n_rows = math.ceil(size[1] / high) + 1
+    upwards = np.arange(round(high), dtype=np.float64)
+    ahead = np.arange(-round((n_rows - 1) * going), size[0], dtype=np.float64)
+    seen = np.zeros((len(upwards), len(ahead)), dtype=np.int64)
+    for k in range(n_rows):
+        # Other starts lie beyond the profile in this row.
+        first, last = np.searchsorted(ahead, (-(k + 1.0) * going - 2.0, size[0] - k * going + 2.0))
+        b, a = ahead[first:last] + k * going, upwards + k * high
+        tread = _filled(sums[0], b, (a - _LEVEL_REACH)[:, None], going, 2 * _LEVEL_REACH + 1) / going
+        riser = _filled(sums[1], b - _LEVEL_REACH, (a - high)[:, None], 2 * _LEVEL_REACH + 1, high) / high
+        seen[:, first:last] += (tread >= _SEEN_SHARE).astype(np.int64) + (riser >= _SEEN_SHARE)
+    kept = np.argsort(-seen.ravel(), kind="stable")[:_PLACES]
+    return upwards[kept // len(ahead)], ahead[kept % len(ahead)]
 
 
 def _summed(mask: Bools) -> Floats:
