@@ -20,6 +20,8 @@ from stair_inspector.errors import ConfigError
 
 Method = Literal["survey", "paper"]
 AxesRule = Literal["auto", "global", "per_step"]
+KnownUnit = Literal["m", "cm", "mm", "in", "ft"]
+KNOWN_UNITS: tuple[KnownUnit, ...] = get_args(KnownUnit)
 Unit = Literal["auto", "m", "cm", "mm", "in", "ft"]
 NormalsSource = Literal["estimate", "given"]
 EdgeSource = Literal["auto", "tread", "face"]
@@ -27,6 +29,7 @@ Verdict = Literal["tread", "landing", "rejected"]
 
 METRES_PER_UNIT: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 """Exact length of each unit, metres (international inch and foot)."""
+UNIT_NAMES: dict[str, str] = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
 _LONGEST_REASON = 300
 _LONGEST_SHOWN = 60

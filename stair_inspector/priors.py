@@ -8,11 +8,11 @@ user can widen is a setting (``flights.*``); its default is here.
 # Steps.
 LEAST_RISE_M, MOST_RISE_M = 0.06, 0.3
 """Rises that are looked for by default; codes allow 100 to 241 mm."""
-COMMON_RISES_M = (0.12, 0.22)
-"""What nearly all rises are, by which a unit is guessed."""
 SHORTEST_GOING_M = 0.1
 """From nosing to nosing; alternating treads and ladders are none."""
 USUAL_RISE_M, USUAL_GOING_M = 0.17, 0.28
+USUAL_STRIDE_M, STRIDE_SPREAD = 0.62, 0.2
+"""Two rises and a going, which are about one stride on all stairs, and the scatter of its logarithm."""
 COMMON_RISES_M = (0.1, 0.24)
 """Rises that are built; a rise beyond by ``RISE_SPREAD_M`` is rare."""
 RISE_SPREAD_M = 0.06
@@ -72,9 +72,13 @@ PAPER_CENTRES_M = (0.15, 0.9)
 PAPER_STEEPEST_TREAD_DEG = 8.0
 
 # Around a staircase.
+SMALLEST_SCAN_M, USUAL_SCAN_M, LARGEST_SCAN_M = 0.8, 8.0, 300.0
+"""Sizes of scans in which a staircase may be: the diagonal without stray points."""
 HEADROOM_M = 1.9
 SLAB_THICKNESS_M = (0.012, 0.12)
 DEEPEST_BELOW_M = 0.6
 """What lies less than this under a step is the underside of its slab, or stands below the stairs."""
 FURNITURE_M = (0.2, 1.3)
+TALLEST_TIER_M, DEEPEST_TIER_M, NARROWEST_TIERS_M = 0.6, 1.2, 4.0
+"""Tiers of seats and terraces are steeper or deeper than stairs, up to this, and wider."""
 RAMP_DEG = (2.0, 12.0)

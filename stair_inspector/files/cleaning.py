@@ -1,64 +1,16 @@
 """From a cloud as the file has it to a scan in metres near zero: unit, origin, and which points to keep."""
 
-from typing import Literal
-
 import numpy as np
 from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
-from stair_inspector.files.raw_cloud import READ_STAGE
 from stair_inspector.geometry.arrays import Floats, Ints
-from stair_inspector.model import Note
-from stair_inspector.params import METRES_PER_UNIT
+from stair_inspector.params import METRES_PER_UNIT, KnownUnit
 
-KnownUnit = Literal["m", "cm", "mm", "in", "ft"]
-_UNIT_NAMES = {"m": "metres", "cm": "centimetres", "mm": "millimetres"}
-_LARGEST_IN_METRES = 150.0
-"""A larger number cannot be the size of a scanned staircase in metres."""
-_LARGEST_IN_CENTIMETRES = 1500.0
-_SIZE_PERCENTILES = (2.0, 98.0)
-_SMALLEST_PLAUSIBLE_M = 0.3
 _NEAR_M = 1000.0
 _FARTHEST_M = 1e9
 _FARTHEST_IN_FILE = 1e12
 """Beyond this, coordinates are garbage in every unit."""
-
-
-def guess_unit(points: Floats) -> tuple[KnownUnit, Note]:
-    """Guess the unit of coordinates from their extent.
-
-    Parameters
-    ----------
-    points : (n, 3), file unit
-        Finite, at least one.
-
-    Returns
-    -------
-    unit
-        Metres, centimetres or millimetres; inches and feet are never guessed.
-    note
-        What was guessed, the size that follows, how to override it.
-
-    Notes
-    -----
-    The diagonal of the box between the 2nd and 98th percentiles of each axis, so that stray points do not decide.
-    """
-    low, high = np.percentile(points, _SIZE_PERCENTILES, axis=0)
-    size = float(np.linalg.norm(high - low))
-    unit: KnownUnit
-    if size <= _LARGEST_IN_METRES:
-        unit = "m"
-    elif size < _LARGEST_IN_CENTIMETRES:
-        unit = "cm"
-    else:
-        unit = "mm"
-    size_m = size * METRES_PER_UNIT[unit]
-    message = f"unit guessed: {_UNIT_NAMES[unit]}, which makes the scan {size_m:.3g} m in size"
-    if size_m < _SMALLEST_PLAUSIBLE_M:
-        message += ", too small for a staircase"
-    elif size_m > _LARGEST_IN_METRES:
-        message += ", too large for a staircase"
-    return unit, Note("unit_guessed", READ_STAGE, f"{message}; if that is wrong, state the unit with --unit")
 
 
 def check_range(points: Floats) -> None:

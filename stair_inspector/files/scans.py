@@ -16,7 +16,6 @@ from stair_inspector.files.cleaning import (
     check_range,
     count_repeats,
     first_occurrences,
-    guess_unit,
     to_local_metres,
     unit_normals,
 )
@@ -27,6 +26,7 @@ from stair_inspector.files.text_scan import is_text, read_text
 from stair_inspector.geometry.arrays import Colors, Floats, Ints
 from stair_inspector.model import Note, Scan
 from stair_inspector.params import Unit, check_value
+from stair_inspector.stages.units import decide_unit
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".pts", ".csv", ".txt", ".asc")
 """Suffixes of scans, lower case; what a file holds decides how it is read."""
@@ -109,7 +109,8 @@ def read_scan(path: Path, unit: Unit = "auto") -> Scan:
     path : Path
         PLY, PCD or text; the content decides, not the suffix. The file is only read.
     unit : str
-        Unit of the file's coordinates; ``auto`` guesses metres, centimetres or millimetres from the size.
+        Unit of the file's coordinates; ``auto`` decides by the stair that comes out, see
+        :func:`stair_inspector.stages.units.decide_unit`.
 
     Returns
     -------
@@ -220,10 +221,11 @@ def _to_scan(raw: RawCloud, unit: Unit, name: str, sha256: str) -> Scan:
     finite = raw.points[kept]
     check_range(finite)
     if unit == "auto":
-        known, note = guess_unit(finite)
-        notes.append(note)
+        decided = decide_unit(finite)
+        known, observations = decided.unit, decided.observations
+        notes.append(decided.note)
     else:
-        known = unit
+        known, observations = unit, ()
     local, origin_m = to_local_metres(finite, known)
     is_first = first_occurrences(local)
     repeats: Ints | None = None
@@ -249,6 +251,7 @@ def _to_scan(raw: RawCloud, unit: Unit, name: str, sha256: str) -> Scan:
         colors=colors,
         normals=normals,
         notes=tuple(notes),
+        observations=observations,
         repeats=repeats,
     )
 

@@ -71,3 +71,29 @@ def estimate_normals(points: Floats, k: int) -> Floats:
     normals = np.zeros_like(points)
     normals[order] = np.asarray(cloud.normals)
     return normals
+
+
+def estimate_normals_at(points: Floats, places: Ints, k: int) -> Floats:
+    """Estimate the normals at some points from the k nearest of all of them, quickly where they are few.
+
+    Parameters
+    ----------
+    points : (n, 3), metres
+        Any frame.
+    places : (m,)
+        Indices of the points whose normals are wanted.
+    k : int
+        Neighbours, the point itself included; fewer where there are fewer.
+
+    Returns
+    -------
+    (m, 3)
+        Unit vectors, sign free.
+    """
+    from sklearn.neighbors import KDTree
+
+    near = KDTree(points).query(points[places], k=min(k, len(points)), return_distance=False)
+    around = points[near]
+    around -= around.mean(axis=1, keepdims=True)
+    smallest: Floats = np.linalg.eigh(around.transpose(0, 2, 1) @ around)[1][:, :, 0]
+    return np.ascontiguousarray(smallest)

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Observation
-from stair_inspector.params import GROUPS, Group, Params, fields_of, knob_of
+from stair_inspector.params import GROUPS, UNIT_NAMES, Group, Params, fields_of, knob_of
 
 _FLAG = r"--([a-z][a-z0-9-]*(?:\.[a-z][a-z0-9-]*)?)(?:=|\s+)([^\s;,]+(?:,[^\s;,]+)*)"
 _FLAGS = re.compile(rf"{_FLAG}(?:\s+{_FLAG})*")
 """Flags one behind the other belong together; others are alternatives, as in ``--up=z or --up=-y``."""
-_UNITS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 _NAMES = {"method": "the method", "axes.rule": "the axes rule", "normals.source": "the normals"}
 
 
@@ -86,7 +85,7 @@ def _setting_words(name: str, value: object) -> str:
     if name == "up":
         return f"up is {value}"
     if name == "unit":
-        return f"the file is in {_UNITS.get(str(value), str(value))}"
+        return f"the file is in {UNIT_NAMES.get(str(value), str(value))}"
     try:
         knob = knob_of(name)
     except ConfigError:

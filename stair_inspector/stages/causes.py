@@ -22,7 +22,7 @@ from stair_inspector.model import (
     Scan,
     Surface,
 )
-from stair_inspector.params import METRES_PER_UNIT, FlightsParams, Params, knob_of
+from stair_inspector.params import METRES_PER_UNIT, UNIT_NAMES, FlightsParams, Params, knob_of
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.examine import POINTS_PER_TREAD, TREAD_M2, examine, size_text
 from stair_inspector.stages.flights import find_chains
@@ -36,8 +36,6 @@ _COARSE = 0.5
 """A step of the coordinates of half the smallest rise leaves nothing of a staircase."""
 _FEW_POINTS = 500
 _SAMPLE = 5_000
-_SMALLEST_M, _USUAL_M, _LARGEST_M = 0.8, 8.0, 300.0
-"""Sizes of scans in which a staircase may be."""
 _FEW_FACE_UP = 0.02
 _MERGED_M = 0.1
 _BELOW_SHARE = 0.9
@@ -48,7 +46,6 @@ _LEAST_SHELF_M = 0.1
 _SMALLER = 0.2
 _OTHER_UNIT = 5.0
 """A unit that was given is doubted only where another differs by such a factor."""
-_UNIT_NAMES = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
 
 def why_no_flight(
@@ -117,16 +114,22 @@ def _why_hopeless(scan: Scan, examination: Sequence[Observation], flights: Fligh
     if coarse is not None:
         return f"{coarse.message}, as coarse as a step of a staircase; {coarse.cure}"
     size_m = _size_of(scan.points)
-    if not _SMALLEST_M <= size_m <= _LARGEST_M:
+    if not priors.SMALLEST_SCAN_M <= size_m <= priors.LARGEST_SCAN_M:
         in_file = size_m / METRES_PER_UNIT[scan.unit]
-        fitting = [unit for unit, per in METRES_PER_UNIT.items() if _SMALLEST_M <= in_file * per <= _LARGEST_M]
-        best = min(fitting, key=lambda unit: abs(math.log(in_file * METRES_PER_UNIT[unit] / _USUAL_M)), default=None)
+        fitting = [
+            unit
+            for unit, per in METRES_PER_UNIT.items()
+            if priors.SMALLEST_SCAN_M <= in_file * per <= priors.LARGEST_SCAN_M
+        ]
+        best = min(
+            fitting, key=lambda unit: abs(math.log(in_file * METRES_PER_UNIT[unit] / priors.USUAL_SCAN_M)), default=None
+        )
         proposal = (
             "cut out the staircase"
             if best is None
-            else f"in {_UNIT_NAMES[best]} it is {size_text(in_file * METRES_PER_UNIT[best])}: if so, give --unit {best}"
+            else f"in {UNIT_NAMES[best]} it is {size_text(in_file * METRES_PER_UNIT[best])}: if so, give --unit {best}"
         )
-        return f"the whole scan is {size_text(size_m)} across, read in {_UNIT_NAMES[scan.unit]}; {proposal}"
+        return f"the whole scan is {size_text(size_m)} across, read in {UNIT_NAMES[scan.unit]}; {proposal}"
     if len(scan.points) < _FEW_POINTS:
         spacing_m = find_spacing(scan.points)
         if spacing_m**2 * POINTS_PER_TREAD > TREAD_M2:
@@ -245,7 +248,7 @@ def _by_rise(scan: Scan, surfaces: Sequence[Surface], chain: Chain, flights: Fli
     flag = f"if they are steps, give --flights.{name}-rise-m {wide:g}"
     unit = _unit_by_rise(scan, rise_m)
     if unit is not None:
-        flag += f"; in {_UNIT_NAMES[unit[0]]} the rises are {unit[1] * 1000.0:.0f} mm: if so, give --unit {unit[0]}"
+        flag += f"; in {UNIT_NAMES[unit[0]]} the rises are {unit[1] * 1000.0:.0f} mm: if so, give --unit {unit[0]}"
     if is_tall and len(goings_m) and float(np.median(goings_m)) > priors.LONGEST_TREAD_M:
         return f"{run} and {size_text(float(np.median(goings_m)))} deep, as tiers of seats: {beyond}", flag
     return f"{run}, {beyond}", flag
@@ -278,8 +281,8 @@ def _wrong_unit(scan: Scan, levels: Sequence[Level], flights: FlightsParams) -> 
         return None
     name, usual_m = unit
     found = (
-        f"the levels follow each other {size_text(rise_m)} apart, read in {_UNIT_NAMES[scan.unit]}; in "
-        f"{_UNIT_NAMES[name]} these are rises of {size_text(usual_m)}"
+        f"the levels follow each other {size_text(rise_m)} apart, read in {UNIT_NAMES[scan.unit]}; in "
+        f"{UNIT_NAMES[name]} these are rises of {size_text(usual_m)}"
     )
     return found, f"if so, give --unit {name}"
 

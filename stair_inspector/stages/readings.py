@@ -17,7 +17,7 @@ from stair_inspector.params import NAMED_UP
 
 _VOXEL_M = 0.02
 _MOST_POINTS = 30_000
-_LONGEST_PERIOD_M = 0.5
+LONGEST_PERIOD_M = 0.5
 _SAME_DEG = 15.0
 """Directions that differ by less are one direction, found with more or less care."""
 
@@ -79,10 +79,16 @@ class Thinned:
 
 def thin(points: Floats, normals: Floats) -> Thinned:
     """Thin a scan to one point in each voxel, and to no more than are needed to see a rhythm."""
+    ids = pick_thinned(points)
+    return Thinned(points[ids], normals[ids])
+
+
+def pick_thinned(points: Floats) -> Ints:
+    """Return the indices of one point in each voxel, and of no more than are needed to see a rhythm."""
     ids = one_of_each_voxel(points, _VOXEL_M)
     if len(ids) > _MOST_POINTS:
         ids = np.sort(np.random.default_rng(0).choice(ids, _MOST_POINTS, replace=False))
-    return Thinned(points[ids], normals[ids])
+    return ids
 
 
 def one_of_each_voxel(points: Floats, voxel_m: float) -> Ints:
@@ -107,7 +113,7 @@ def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bo
     is_camera : bool
         Whether the scan was taken from its origin, as :func:`is_view` says.
     """
-    longest = max(_LONGEST_PERIOD_M, max_rise_m)
+    longest = max(LONGEST_PERIOD_M, max_rise_m)
     lattices = [
         lattice
         for lattice in find_lattices(scan.points, scan.normals, (priors.LEAST_RISE_M, longest))

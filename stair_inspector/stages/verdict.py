@@ -34,6 +34,7 @@ from stair_inspector.stages.paper import measure_h, review_steps
 from stair_inspector.stages.region import note_region_cuts
 from stair_inspector.stages.rejects import Forced, explain_rejects
 from stair_inspector.stages.survey import Survey
+from stair_inspector.stages.units import ask_unit
 
 _MERGED_M = 0.1
 """A level whose points spread over more than this is several that ran together."""
@@ -146,6 +147,7 @@ def conclude_survey(
         flights=survey.flights,
         patches=named,
         patch_ids=freeze(patch_ids),
+        examination=(*paper.examination, *ask_unit(scan, survey.steps)),
     )
 
 
