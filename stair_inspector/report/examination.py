@@ -9,6 +9,7 @@ from stair_inspector.report.document import Column, Status, Table, Tone, plain
 LEVELS = ("question", "doubt", "info")
 """The levels of an observation, the gravest first; each is the word for itself."""
 
+_FLAG_MEANS = {"question": "answer it", "doubt": "measure again", "info": "if that is wrong, measure"}
 _TONES: dict[str, Tone] = {"question": "bad", "doubt": "close", "info": "plain"}
 
 
@@ -38,7 +39,7 @@ def examination_table(inspection: Inspection) -> Table:
             Status(each.level, _TONES[each.level]),
             _sentence(each.message),
             None if each.size_m is None else round(each.size_m * 1000.0, 6),
-            _sentence(cure_words(each)),
+            _sentence(_helps(each)),
         )
         for each in found
     )
@@ -59,4 +60,10 @@ def _asked_for(found: Observation) -> str:
     """Return a cure for someone at the command line: a flag alone is no sentence."""
     if not found.cure.startswith("--"):
         return found.cure
-    return f"{'answer it' if found.level == 'question' else 'measure again'} with {found.cure}"
+    return f"{_FLAG_MEANS[found.level]} with {found.cure}"
+
+
+def _helps(found: Observation) -> str:
+    """Return a cure in words; what an info names is the other way to take the scan, not what is advised."""
+    is_other_way = found.level == "info" and found.cure.startswith("--")
+    return f"if that is wrong: {cure_words(found)}" if is_other_way else cure_words(found)

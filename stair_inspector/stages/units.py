@@ -150,7 +150,12 @@ def _decide_by_rhythm(points: Floats, unit: KnownUnit, size: float, by_size: Kno
         f"the file is read in {UNIT_NAMES[best]}, in which its treads and risers come again after "
         f"{_lengths(rise, going, best)}; its size alone would say {UNIT_NAMES[by_size]}"
     )
-    said = Observation("unit_by_stair", "info", message, cure=f"if it is not in {UNIT_NAMES[best]}: --unit {by_size}")
+    said = Observation(
+        "unit_by_stair",
+        "info",
+        message,
+        cure=f"--unit {by_size}",
+    )
     return DecidedUnit(best, _note_of_rhythm(best, rise, going), (said,))
 
 

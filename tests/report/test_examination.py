@@ -36,6 +36,12 @@ def test_a_line_has_the_level_as_a_word_and_the_cure_behind():
     ]
 
 
+def test_the_flag_of_an_info_is_the_other_way_to_take_the_scan_and_no_advice():
+    read = Observation("unit_by_stair", "info", "read in inches", None, "--unit cm")
+    assert list(examination_lines(of(read))) == ["info: read in inches; if that is wrong, measure with --unit cm"]
+    assert examination_table(of(read)).rows[0][3] == "If that is wrong: the file is in centimetres"
+
+
 def test_an_observation_takes_one_line_whatever_it_says():
     (line,) = examination_lines(of(dataclasses.replace(INFO, message="a\nb\x07", cure="")))
     assert line == "info: a b\\u0007"
