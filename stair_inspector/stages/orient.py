@@ -19,6 +19,7 @@ from stair_inspector.stages.readings import (
     is_view,
     question_of,
     question_of_camera,
+    question_of_side,
     read_rhythm,
     side_of_sensor,
     thin,
@@ -27,7 +28,7 @@ from stair_inspector.stages.readings import (
 LEAST_POINTS = 50
 """Below this a scan has no surface to speak of."""
 _MAX_FLOOR_CANDIDATES = 6
-_POINTS_TO_COMPARE = 150_000
+POINTS_TO_COMPARE = 150_000
 _NORMAL_SEEDS, _NORMAL_MODES = 400, 4
 _CANDIDATE_SHARE = 0.05
 """A plane with less than this share of the largest plane's points is not tried as the floor."""
@@ -135,7 +136,7 @@ def find_up(
     try:
         wanted = 1 if method == "paper" else _MAX_FLOOR_CANDIDATES
         # Candidates can be found and compared among fewer points; the one that is chosen is fitted to all.
-        few = slice(None) if method == "paper" else slice(None, None, -(-len(scan.points) // _POINTS_TO_COMPARE))
+        few = slice(None) if method == "paper" else slice(None, None, -(-len(scan.points) // POINTS_TO_COMPARE))
         candidates = _find_planes(scan.points[few], params.distance_m, wanted)
         if method != "paper":
             candidates += _planes_of_normals(scan.points[few], normals.vectors[few], candidates, params.distance_m)
@@ -148,7 +149,7 @@ def find_up(
     vector, notes = _turn_upwards(scan.points, candidates[chosen], params.distance_m)
     if method == "paper":
         return Up(own(vector, (3,), "up"), "floor", notes=notes)
-    thinned = thin(scan.points, normals.vectors)
+    thinned = thin(scan.points[few], normals.vectors[few])
     is_camera = is_view(scan, thinned.points)
     readings = read_rhythm(thinned, max_rise_m, vector, is_camera=is_camera)
     if readings and _is_believed(readings[0], candidates[chosen], support[chosen]):
@@ -178,6 +179,9 @@ def find_up(
     asked = _asked(readings)
     if is_camera and not readings:
         question = question_of_camera(thinned.points, vector)
+        asked = () if question is None else (question,)
+    elif not readings and support[chosen].n_steps > 0:
+        question = question_of_side(thinned, vector, float(candidates[chosen].centroid @ vector))
         asked = () if question is None else (question,)
     return Up(own(vector, (3,), "up"), "floor", notes=notes, observations=asked)
 

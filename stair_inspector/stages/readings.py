@@ -54,6 +54,9 @@ _MOST_SPREAD_RAYS = 0.1
 """From where a camera stood one sees one surface in each direction, but for the edges."""
 _FACES_COS = math.cos(math.radians(12.0))
 _NAME_DEG = 2.0
+_BESIDE_LEVEL_M = 0.05
+_NEARLY_ALL, _AS_LARGE, _NEXT_SHARE = 0.9, 0.6, 0.05
+"""Under a landing lies a floor about as large; over a floor that is upside down nothing like it, but treads near it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,21 +124,18 @@ def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bo
     ]
     if not lattices:
         return []
-    best = lattices[0]
-    air, floor, around = _air_above(scan, best), _floor_for(scan, best), _surroundings(scan, best)
-    air += _nosings(scan, best)
+    upright = lattices[0], lattices[0].turned()
+    # The side of the air is one side of the faces, in every reading.
+    air = float(np.clip(sum(_air_above(scan, lattice) for lattice in upright), -_AIR_MOST, _AIR_MOST))
     readings = []
-    for lattice, side, floors in (
-        (best, air + around, floor),
-        (best.flipped(), -air - around, floor),
-        # The side of the air is one side of the faces, in every reading.
-        (best.turned(), air, -floor),
-        (best.turned().flipped(), -air, -floor),
-    ):
-        weight = _as_built(lattice, max_rise_m) + (side + floors) / 2.0
-        weight += _as_camera(scan, lattice) if is_camera else _as_file(lattice.up)
-        weight += _HINT if is_same_way(lattice.up, hint) and float(lattice.up @ hint) > 0.0 else 0.0
-        readings.append(Reading(lattice, weight))
+    for each in upright:
+        # What is told by nosings and floors is told of these treads and risers, not of those that have changed places.
+        side, floors = air + _nosings(scan, each) + _surroundings(scan, each), _floor_for(scan, each)
+        for lattice, way in ((each, 1.0), (each.flipped(), -1.0)):
+            weight = _as_built(lattice, max_rise_m) + (way * side + floors) / 2.0
+            weight += _as_camera(scan, lattice) if is_camera else _as_file(lattice.up)
+            weight += _HINT if is_same_way(lattice.up, hint) and float(lattice.up @ hint) > 0.0 else 0.0
+            readings.append(Reading(lattice, weight))
     return sorted(readings, key=lambda reading: -reading.weight)
 
 
@@ -175,6 +175,41 @@ def question_of_camera(points: Floats, up: Floats) -> Observation | None:
         f"a camera took this scan, and with up along {name_of(up)} it would have looked straight up or down; treads "
         "and risers may have changed places",
         cure=f"--up={name_of(up)}",
+    )
+
+
+def question_of_side(scan: Thinned, up: Floats, height_m: float) -> Observation | None:
+    """Return the question which side is up, where all lies below the largest level surface, as floors lie upside down.
+
+    Parameters
+    ----------
+    scan : Thinned
+        In which treads follow each other and no riser shows, as with open risers.
+    up : (3,)
+        What would be taken.
+    height_m : float
+        Where that surface is along it.
+    """
+    heights = project(scan.points.T, up) - height_m
+    level = heights[np.abs(project(scan.normals.T, up)) >= _FACES_COS]
+    n_below, n_above = (int(np.count_nonzero(way * heights > _BESIDE_LEVEL_M)) for way in (-1.0, 1.0))
+    if n_below < _NEARLY_ALL * (n_below + n_above):
+        return None
+    n_at = int(np.count_nonzero(np.abs(level) <= _BESIDE_LEVEL_M))
+    # A ceiling leaves headroom.
+    n_next = int(np.count_nonzero((level < -_BESIDE_LEVEL_M) & (level >= -priors.HEADROOM_M / 2.0)))
+    if n_next < _NEXT_SHARE * n_at:
+        return None
+    others = np.floor(level[level < -_BEYOND_M] / (2.0 * _BESIDE_LEVEL_M)).astype(np.int64)
+    if len(others) and np.bincount(others - others.min()).max() > _AS_LARGE * n_at:
+        return None
+    names = name_of(up), name_of(-up)
+    return Observation(
+        "up_unsure",
+        "question",
+        f"no risers tell which side of the treads is up: with up along {names[0]} nearly everything lies below the "
+        f"largest level surface; along {names[1]} it is the floor",
+        cure=f"--up={names[1]} or --up={names[0]}",
     )
 
 
@@ -344,7 +379,10 @@ def _surroundings(scan: Thinned, lattice: Lattice) -> float:
     n_floor = np.count_nonzero(is_level & (np.abs(height - low) <= 0.3) & (ahead < first))
     n_landing = np.count_nonzero(is_level & (np.abs(height - high) <= 0.3) & (ahead > last))
     beyond = _BEYOND_M / lattice.rise_m
-    n_over, n_under = np.count_nonzero(height > high + beyond), np.count_nonzero(height < low - beyond)
+    # What lies farther along the climb is more of the same stairs, whichever side of them is up.
+    above = height - ahead
+    n_over = np.count_nonzero((height > high + beyond) & (above > 0.0))
+    n_under = np.count_nonzero((height < low - beyond) & (above < -1.0))
     # A landing may be the larger one, and a scan may begin at the foot of its stair.
     weight = math.log((n_floor + _FLOOR_START) / (n_landing + _FLOOR_START)) / 2.0
     weight += math.log((n_over + _FLOOR_START) / (n_under + _FLOOR_START))

@@ -16,13 +16,17 @@ from io import BytesIO
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.clusters import cluster_sorted, find_reach
 from stair_inspector.geometry.normals import estimate_normals
 from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.memo import Memo
 from stair_inspector.model import Scan
-from stair_inspector.params import Params
+from stair_inspector.params import NormalsParams, Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.stages.orient import POINTS_TO_COMPARE, find_normals
+from stair_inspector.stages.readings import is_view, read_rhythm, thin
+from stair_inspector.stages.units import decide_unit
 from tests.synthetic import Stair, make_scan
 
 STAIR = Stair(n_steps=10, risers=True, noise=0.002, seed=7)
@@ -130,6 +134,26 @@ def measure_survey(scan: Scan, repeats: int) -> list[Row]:
     return rows
 
 
+def measure_deciding(scan: Scan, repeats: int) -> Row:
+    """What it costs that the stair decides unit and up, beside the normals of all points."""
+    began = time.perf_counter()
+    normals = find_normals(scan, NormalsParams())
+    normals_ms = (time.perf_counter() - began) * 1000.0
+
+    spared = -(-len(scan.points) // POINTS_TO_COMPARE)
+
+    def decide_up() -> None:
+        thinned = thin(scan.points[::spared], normals.vectors[::spared])
+        read_rhythm(thinned, priors.MOST_RISE_M, np.zeros(3), is_camera=is_view(scan, thinned.points))
+
+    unit_ms, up_ms = (
+        min(time_ms(decide) for _ in range(repeats)) for decide in (partial(decide_unit, scan.points), decide_up)
+    )
+    ms = unit_ms + up_ms
+    compared = f"the normals {normals_ms:,.0f} ms; unit {unit_ms:,.0f} ms, up {up_ms:,.0f} ms"
+    return Row("unit and up by the stair", ms, 500.0, normals_ms / ms, compared)
+
+
 def measure_clustering(n_heights: int, repeats: int) -> Row:
     """Our clustering and scikit-learn's, the latter once, in a process of its own that gives its memory back."""
     rng = np.random.default_rng(STAIR.seed)
@@ -210,6 +234,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(row, flush=True)
     for row in measure_survey(scan, args.repeats):
         print(row, flush=True)
+    print(measure_deciding(scan, args.repeats), flush=True)
     print(measure_normals(scan), flush=True)
     if args.heights:
         print(measure_clustering(args.heights, args.repeats), flush=True)

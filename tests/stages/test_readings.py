@@ -131,6 +131,54 @@ def test_a_steep_stair_stays_z_up():
         assert up_of(stair.scan(), limit).vector[2] > 0.999
 
 
+def with_nosings(stair, reach_m=0.025):
+    """A stair whose treads reach past their risers."""
+    points, normals = stair.sample()
+    points[np.abs(normals[:, 0]) > 0.9, 0] += reach_m
+    return points, normals
+
+
+def test_nosings_tell_treads_from_risers_whichever_way_the_rhythm_was_found():
+    # Steeper than 45 degrees, so that the rhythm is found on its side.
+    stair = Stair(n_steps=7, rise=0.33, going=0.28, risers=True, spacing=0.02, noise=0.001, floor_depth=0.28)
+    for limit in (0.3, 0.5):
+        up = up_of(make_scan(*with_nosings(stair)), limit)
+        assert up.vector[2] > 0.999
+        assert up.observations == ()
+
+
+def lead_of_upright(points, normals):
+    """By how much the reading with z up leads that upside down."""
+    readings = read_rhythm(thin(points, normals), 0.3, NOWHERE, is_camera=False)
+    weights = {name_of(reading.up): reading.weight for reading in readings}
+    return weights["z"] - weights["-z"]
+
+
+def test_the_lower_flight_does_not_speak_for_the_side_below_the_upper_one():
+    upper = Stair(n_steps=7, rise=0.175, going=0.28, risers=True, spacing=0.02, noise=0.001, floor_depth=1.2)
+    lower = Stair(n_steps=3, rise=0.175, going=0.28, risers=True, spacing=0.02, noise=0.001, floor_depth=3.0, seed=2)
+    points, normals = with_nosings(upper)
+    below, normals_below = lower.sample()
+    below = below - [1.2 + 2 * 0.28, 0.0, 3 * 0.175]
+    both = lead_of_upright(np.concatenate([points, below]), np.concatenate([normals, normals_below]))
+    assert both > lead_of_upright(points, normals) - 0.5
+
+
+def test_treads_without_risers_over_which_the_floor_would_lie_are_asked_about():
+    stair = Stair(n_steps=7, rise=0.175, going=0.28, spacing=0.02, noise=0.001, floor_depth=2.0)
+    points, normals = stair.sample()
+    (question,) = up_of(make_scan(points @ DOWN.T, normals @ DOWN.T)).observations
+    assert (question.code, question.level, question.cure) == ("up_unsure", "question", "--up=-z or --up=z")
+    assert up_of(make_scan(points, normals)).observations == ()
+    # A ceiling leaves headroom, which a floor does not.
+    ceiling = np.tile(points[normals[:, 2] > 0.9][:5000] * [1.0, 1.0, 0.0] + [0.0, 0.0, 2.6], (2, 1))
+    ceiling[:, :2] += np.random.default_rng(1).normal(0.0, 0.01, (len(ceiling), 2))
+    under = make_scan(
+        np.concatenate([points, ceiling]), np.concatenate([normals, np.tile([0.0, 0.0, 1.0], (len(ceiling), 1))])
+    )
+    assert up_of(under).observations == ()
+
+
 def test_a_single_riser_is_z_up():
     stair = Stair(n_steps=1, rise=0.16, going=1.5, risers=True, spacing=0.02, noise=0.002, floor_depth=1.5)
     assert abs(up_of(stair.scan()).vector[2]) > 0.999
