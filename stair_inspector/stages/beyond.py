@@ -110,7 +110,7 @@ def note_what_goes_on(
                 row, _ = _row(heights, rhythm, rhythm.going_m, 1, "above")
                 is_above, has_riser, found = not above, row is not None and row.has_face, found + above
                 if is_above and _is_nothing_behind(heights, rhythm):
-                    notes.append(_scan_ends(flight))
+                    notes.append(_scan_ends(flight, heights))
                     is_above = False
             if is_below:
                 rhythm = _rhythm_of(own[0], climbs[0], size)
@@ -128,11 +128,15 @@ def note_what_goes_on(
     return replace(survey, flights=tuple(flights), notes=(*survey.notes, *notes)) if notes else survey
 
 
-def _scan_ends(flight: Flight) -> Note:
+def _scan_ends(flight: Flight, heights: HeightOrder) -> Note:
     last = flight.step_ids[-1]
+    # Outside a region there may be more of it.
+    is_region = len(np.unique(heights.point_ids)) < heights.n_scan
+    cut = "the region of interest" if is_region else "the scan's end"
+    nothing = f"the region holds nothing behind step {last}" if is_region else f"nothing was scanned behind step {last}"
     message = (
-        f"flight {flight.flight_id} is cut by the scan's end: nothing was scanned behind step {last}, which is no "
-        "landing; whether more risers follow is not known"
+        f"flight {flight.flight_id} is cut by {cut}: {nothing}, which is no landing; whether more risers follow is not "
+        "known"
     )
     return Note("scan_ends", "survey", message, last)
 

@@ -70,8 +70,8 @@ def why_no_flight(
     ramp = f"; the largest, of {largest.area_m2:.1f} m², leans by {lean:.1f}° as a ramp does" if is_ramp else ""
     found, advice = (
         _left_out_by_climb(patches, chains, forced, paper.params)
-        or _wrong_unit(scan, paper.levels, paper.params.flights)
         or _left_out_by_limits(scan, patches, chains, forced, paper.params)
+        or _wrong_unit(scan, paper.levels, paper.params.flights)
         or _too_sparse(horizontal)
         or _upside_down(scan, paper, patches)
         or _by_risers(patches, chains, paper.params)
@@ -185,6 +185,8 @@ def _why_no_surface(scan: Scan, paper: Inspection, horizontal: Horizontal) -> st
     return f"{what}; {_ADVICE}"
 
 
+IF_STEPS = "if they are steps, give"
+"""Begins the advice to widen a limit, which is good only where no other cause is known."""
 Cause = tuple[str, str]
 """What was found and what to do."""
 
@@ -245,7 +247,10 @@ def _by_rise(scan: Scan, surfaces: Sequence[Surface], chain: Chain, flights: Fli
     run = f"{len(numbers)} of them follow each other with rises of about {rise_m * 1000.0:.0f} mm"
     beyond = f"{'above' if is_tall else 'below'} flights.{name}_rise_m, {limit * 1000.0:.0f} mm"
     wide = math.ceil(1.05 * max(out) * 200.0) / 200.0 if is_tall else math.floor(0.95 * min(out) * 200.0) / 200.0
-    flag = f"if they are steps, give --flights.{name}-rise-m {wide:g}"
+    flag = f"{IF_STEPS} --flights.{name}-rise-m {wide:g}"
+    low, high = priors.COMMON_RISES_M
+    if is_tall and any(low <= rise_m / n <= high for n in (2, 3)):
+        flag = f"as where treads between them were not found: check theta_th, eps_z and m; {flag}"
     unit = _unit_by_rise(scan, rise_m)
     if unit is not None:
         flag += f"; in {UNIT_NAMES[unit[0]]} the rises are {unit[1] * 1000.0:.0f} mm: if so, give --unit {unit[0]}"

@@ -169,12 +169,14 @@ def question_of_camera(points: Floats, up: Floats) -> Observation | None:
     """
     if _looks_down_deg(points, up) <= _LOOKS_STEEPLY_DEG:
         return None
+    # A camera that is held upright has its frame's vertical square to where it looks.
+    across = "xyz"[int(np.argmin(np.maximum(np.abs(_view_of(points)), np.abs(up))))]
     return Observation(
         "up_unsure",
         "question",
         f"a camera took this scan, and with up along {name_of(up)} it would have looked straight up or down; treads "
         "and risers may have changed places",
-        cure=f"--up={name_of(up)}",
+        cure=f"--up={across} or --up=-{across} or --up={name_of(up)}",
     )
 
 
@@ -215,8 +217,14 @@ def question_of_side(scan: Thinned, up: Floats, height_m: float) -> Observation 
 
 def _looks_down_deg(points: Floats, up: Floats) -> float:
     """Return by how much a camera at the origin looks down or up, degrees."""
+    return abs(math.degrees(math.asin(float(np.clip(_view_of(points) @ up, -1.0, 1.0)))))
+
+
+def _view_of(points: Floats) -> Floats:
+    """Return where a camera at the origin looks, unit vector (3,)."""
     look = points.mean(axis=0)
-    return abs(math.degrees(math.asin(float(np.clip(look @ up / np.linalg.norm(look), -1.0, 1.0)))))
+    view: Floats = look / np.linalg.norm(look)
+    return view
 
 
 def name_of(up: Floats) -> str:

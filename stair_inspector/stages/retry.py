@@ -7,6 +7,7 @@ from stair_inspector import priors
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.model import HeightOrder, Inspection, Observation
 from stair_inspector.params import Params, knob_of
+from stair_inspector.stages.causes import IF_STEPS
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.levels import find_height_reach, find_levels, select_horizontal
 from stair_inspector.stages.patches import split_levels
@@ -97,7 +98,7 @@ def say_tried(inspection: Inspection, tried: Tried | None, timings_s: dict[str, 
     else:
         told = f"{tried.words}, as suggested for this scan, were tried too and find none"
     notes = tuple(
-        dataclasses.replace(note, message=f"{note.message}; {told}")
+        dataclasses.replace(note, message=f"{_without_limit(note.message) if tried.n_risers else note.message}; {told}")
         if note.code == "no_staircase" and (tried.n_risers or _ABOUT_SETTINGS in note.message.rpartition("; ")[2])
         else note
         for note in inspection.notes
@@ -109,6 +110,11 @@ def say_tried(inspection: Inspection, tried: Tried | None, timings_s: dict[str, 
     )
     doubt = Observation("settings_do_not_fit", "doubt", message, cure=tried.flags)
     return dataclasses.replace(inspection, notes=notes, examination=(*inspection.examination, doubt))
+
+
+def _without_limit(message: str) -> str:
+    """Return a cause without the advice to widen a limit: with it, a flight of which treads are missing is measured."""
+    return message.partition(f"; {IF_STEPS}")[0]
 
 
 def _shown(name: str, value: float) -> str:

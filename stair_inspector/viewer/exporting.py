@@ -75,11 +75,11 @@ class Exporting:
         """Send a file of the result that is shown."""
         desk = self._desk
         with desk.lock:
-            shown = desk.result("export")
+            shown, marked = desk.result("export"), desk.marked
             check = self._checked() if kind == "JSON" else None
         make: dict[str, tuple[str, Callable[[Tell], bytes]]] = {
-            "CSV": (".csv", lambda _: csv_bytes(shown.inspection)),
-            "JSON": (".json", lambda _: json_bytes(shown.inspection, check)),
+            "CSV": (".csv", lambda _: csv_bytes(marked or shown.inspection)),
+            "JSON": (".json", lambda _: json_bytes(marked or shown.inspection, check)),
             "Debug PLY": ("_debug.ply", lambda _: debug_ply_bytes(shown.scan, shown.inspection)),
             "Screenshot PNG": (".png", lambda tell: self._picture(shown, tell)),
             "All views ZIP": ("_views.zip", lambda tell: self._all_views(shown, tell)),

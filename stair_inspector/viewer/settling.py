@@ -56,7 +56,9 @@ class Settling:
             go_on()
             found = mark_unsettled(shown.scan, inspection.params, inspection, memo)
         except Cancelled:
-            # The next result is looked into in its turn.
+            # The next result is looked into in its turn; a run that ends without one leaves this one standing.
+            if not desk.is_closed and desk.inspection is inspection:
+                self._settle.touch()
             return
         notes = found.notes[len(inspection.notes) :]
         with desk.lock:

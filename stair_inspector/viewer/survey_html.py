@@ -19,6 +19,7 @@ from stair_inspector.report.units import (
     uncertainty_text,
 )
 from stair_inspector.stability import words_about
+from stair_inspector.stages.impossible import CODE as IMPOSSIBLE
 from stair_inspector.viewer.markup import DIM, FLIGHT, LINE, chip, mm, pick_script, row_start, table_head, text
 from stair_inspector.viewer.remarks import on_page
 from stair_inspector.viewer.step_marks import StepMark, mark_html
@@ -304,6 +305,10 @@ def _why(inspection: Inspection, step: Step, quantity: str) -> str:
         if note.code == _TREAD_MISSING:
             # It is told of the step above the gap, whose rise it takes, with the going of the step below.
             concerns = note.step == step.step_id + from_here_up and (from_here_up or quantity == "rise")
+        elif note.code == IMPOSSIBLE:
+            # An edge that is none takes its step's values, the going up to it and the rise over it.
+            beside = 1 if from_here_up else -1 if quantity == "rise" else 0
+            concerns = note.step in (step.step_id, step.step_id + beside)
         else:
             words = (quantity, *_WORDS.get(quantity, ()))
             concerns = note.step == step.step_id and any(word in note.code or word in note.message for word in words)

@@ -100,6 +100,14 @@ def test_a_flight_behind_whose_last_tread_nothing_was_scanned_is_cut_by_the_scan
     assert "flight 1 is cut by the scan's end: nothing was scanned behind step 6" in told.message
 
 
+def test_what_a_region_leaves_out_was_scanned():
+    scan = make_scan(*STAIR.sample())
+    high = 6 * STAIR.going - 0.01
+    inspection = inspect(scan, PARAMS.replaced("overrules.region", f"-9,-9,-9,{high},9,9"))
+    (told,) = [note.message for note in inspection.notes if note.code == "scan_ends"]
+    assert "is cut by the region of interest: the region holds nothing behind step 6" in told
+
+
 @pytest.mark.parametrize("n_risers", [4, 5])
 def test_a_wall_or_a_riser_behind_the_last_tread_is_no_end_of_the_scan(n_risers):
     points, normals = seen_from_the_foot(STAIR, 4, 5)

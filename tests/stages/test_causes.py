@@ -221,3 +221,17 @@ def test_nothing_is_measured_in_coordinates_that_are_too_coarse():
     reason = why(make_scan(np.round(points / 0.05) * 0.05), normals=NormalsParams())
     assert "50 mm" in reason
     assert "as coarse as a step of a staircase" in reason
+
+
+def test_where_treads_may_be_missing_the_limit_is_not_the_first_advice():
+    # Twice a usual rise: of a flight of 175 mm every second tread was found.
+    message = why(stair(rise=0.35, going=0.56).scan())
+    assert "rises of about 350 mm, above flights.max_rise_m" in message
+    assert (
+        "as where treads between them were not found: check theta_th, eps_z and m; if they are steps, give" in message
+    )
+
+
+def test_a_limit_is_named_before_another_unit():
+    message = why(read(stair(rise=0.33, n_steps=8).scan(), "m"))
+    assert message.index("--flights.max-rise-m 0.35") < message.index("--unit ft")

@@ -1,10 +1,15 @@
 """Where the settings find no staircase, those that are suggested are tried, and the answer says so."""
 
+import dataclasses
+
 import numpy as np
 
 from stair_inspector.memo import Memo
+from stair_inspector.model import Note
 from stair_inspector.params import HorizontalParams, LevelsParams, Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.stages.causes import IF_STEPS
+from stair_inspector.stages.retry import Tried, say_tried
 from tests.synthetic import Stair, make_scan
 
 STAIR = Stair(n_steps=6, spacing=0.01, noise=0.004, risers=True)
@@ -63,3 +68,16 @@ def test_it_is_tried_once_for_the_same_settings():
     again = inspect(scan, STRICT, memo)
     assert again.timings_s == {}
     assert said(again, "settings_do_not_fit")
+
+
+def test_where_other_settings_find_a_flight_nobody_is_sent_to_a_limit():
+    cause = "7 horizontal surfaces, but 5 of them follow each other with rises of about 349 mm, above the limit"
+    advice = f"{cause}; {IF_STEPS} --flights.max-rise-m 0.37"
+    plain = inspect(STAIR.scan(), STRICT)
+    blamed = dataclasses.replace(plain, notes=(Note("no_staircase", "verdict", advice),))
+    tried = Tried((("horizontal.theta_deg", 20.0),), 12)
+    (note,) = say_tried(blamed, tried, {}).notes
+    told = "but with theta_th 20°, as suggested for this scan, 12 risers are found: use --horizontal.theta-deg 20"
+    assert note.message == f"{cause}; {told}"
+    (unheard,) = say_tried(blamed, dataclasses.replace(tried, n_risers=0), {}).notes
+    assert unheard.message == advice

@@ -72,3 +72,13 @@ def test_what_is_looked_into_is_given_up_for_the_next_result(monkeypatch, page):
     may_go_on.set()
     await_that(lambda: ended, "it does not end")
     assert ended == ["cancelled"]
+
+
+def test_what_was_given_up_for_a_run_that_came_to_nothing_is_looked_into_again(looked, page):
+    session = page.session
+    # As while a run goes on that is cancelled in the end.
+    busy = iter([True, True])
+    session.settling._is_busy = lambda: next(busy, False)
+    session.settling.renew()
+    await_that(lambda: "hangs on the settings" in session.panel.details.content, "nothing is marked")
+    assert next(busy, None) is None
