@@ -38,6 +38,8 @@ _SAME_PLANE_M = 0.03
 _LEAST_STEPS = 3.0
 """Coordinates on a step lie in layers one and two steps apart."""
 _SURELY_NO_SLAB = 0.8
+_FEWEST_PLANES, _FEWEST_ON_PLANE = 2, 4
+"""Planes, and cells on each, on which surfaces as far apart as the faces of a slab must be double."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,7 +212,8 @@ class _Cells:
         for k in np.flatnonzero(is_double):
             cell = slice(starts[k], starts[k] + counts[k])
             is_double[k] = _lie_over_each_other(plan[:, cell][:, is_low[cell]], plan[:, cell][:, ~is_low[cell]])
-        return _Split(apart, is_double, middle)
+        # Two layers are one plane, in whichever of them most points lie.
+        return _Split(apart, is_double, np.where(is_double, 0.5 * (centre_low + centre_high), middle))
 
 
 def _lie_over_each_other(low: Floats, high: Floats) -> bool:
@@ -248,18 +251,18 @@ def _judge(cells: _Cells, normal: Floats, members: Ints, step_m: float) -> Doubl
         or apart_m < _LEAST_STEPS * step_m
     ):
         return None
-    if (
-        apart_m >= _SURELY_NO_SLAB * priors.SLAB_THICKNESS_M[0]
-        and _share_on_largest(split.offset_m[counts], is_one[counts]) < _LEAST_SHARE
-    ):
-        return None
+    if apart_m >= _SURELY_NO_SLAB * priors.SLAB_THICKNESS_M[0]:
+        shares, sizes = _shares_by_plane(split.offset_m[counts], is_one[counts])
+        # A slab or a panel shows both faces in one place; what is double through its stations is so in several.
+        is_double = (shares >= _LEAST_SHARE) & (sizes >= _FEWEST_ON_PLANE)
+        if not is_double[int(sizes.argmax())] or np.count_nonzero(is_double) < _FEWEST_PLANES:
+            return None
     return DoubledWay(freeze(normal.copy()), apart_m, share)
 
 
-def _share_on_largest(offset_m: Floats, is_one: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> float:
-    """Return the share of doubled cells on the plane that has most cells."""
+def _shares_by_plane(offset_m: Floats, is_one: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> tuple[Floats, Ints]:
+    """Return the share of doubled cells on each plane, and how many cells it has."""
     order = np.argsort(offset_m)
     plane = np.concatenate([[0], np.cumsum(np.diff(offset_m[order]) > _SAME_PLANE_M)])
     sizes = np.bincount(plane)
-    largest = order[plane == int(sizes.argmax())]
-    return float(is_one[largest].mean())
+    return np.bincount(plane, is_one[order].astype(np.float64)) / sizes, sizes

@@ -120,3 +120,18 @@ def test_doubles_show_through_a_fine_rounding():
 def test_few_points_show_nothing():
     assert find_doubled(station(0.002)[:100], EXACT) == ()
     assert find_doubled(np.zeros((1, 3)), EXACT) == ()
+
+
+@pytest.mark.parametrize("thick_m", [0.01, 0.015, 0.04])
+def test_a_balustrade_seen_from_both_sides_is_one_thing_and_not_two_stations(thick_m):
+    rng = np.random.default_rng(9)
+    faces = [
+        np.column_stack([rng.uniform(0.0, 2.8, 20_000), rng.normal(y, 0.001, 20_000), rng.uniform(0.0, 1.1, 20_000)])
+        for y in (-0.3, -0.3 - thick_m)
+    ]
+    assert find_doubled(np.concatenate([station(0.001), *faces]), EXACT) == ()
+    # Nor where the largest thing that faces the same way is another one.
+    wall = np.column_stack(
+        [rng.uniform(-1.0, 3.0, 40_000), rng.normal(1.6, 0.001, 40_000), rng.uniform(0.0, 2.5, 40_000)]
+    )
+    assert find_doubled(np.concatenate([station(0.001), *faces, wall]), EXACT) == ()
