@@ -36,6 +36,7 @@ _CURVED = (
     "judged"
 )
 _ON_MIDDLE_LINE = "measured on the middle line of a flight that curves"
+_TOO_UNSURE = "U is larger than the limit itself: this scan says nothing about it"
 _ASKED = "a question about the scan has to be answered first"
 _TELLING_NOTES = (
     "uncertainty_unstated",
@@ -376,6 +377,9 @@ class _Judge:
             reason = _joined(reason, f"beyond the limit, but {_why_doubtful(rule)}")
         elif place.is_doubtful:
             reason = _joined(reason, "whether the clause applies here is not certain")
+        if verdict.is_outside and -margin < u and _says_nothing(rule, u):
+            verdict = Verdict.NOT_JUDGED
+            reason = _joined(reason, _TOO_UNSURE)
         if rule.from_scan == "partly" and verdict.is_within:
             verdict = Verdict.REPORTED
             reason = _joined(reason, _why_partly(rule))
@@ -402,6 +406,11 @@ def _why_not_by_shape(rule: Rule, flight: Flight) -> str:
         return _WINDING
     is_size = rule.statistic in ("each", "flight")
     return _CURVED if flight.shape == "curved" and is_size and rule.quantity in _BY_WALKING_LINE else ""
+
+
+def _says_nothing(rule: Rule, u: float) -> bool:
+    """Return whether a difference is less certain than its limit is large: then any scan would seem to exceed it."""
+    return rule.statistic in _DIFFERENCES and rule.maximum is not None and u > rule.maximum.value
 
 
 def _nearest(rule: Rule, value: float) -> tuple[float | None, Limit | None]:

@@ -93,7 +93,8 @@ def build(
     appendices: list[tuple[str, list[Block]]] = [
         ("Settings and decisions", _settings(inspection)),
         ("Notes of the measurement", [grounds.notes_table(inspection)]),
-        ("Surfaces found in the scan", [grounds.surfaces_table(inspection)]),
+        # Heights of treads are rises by a subtraction.
+        ("Surfaces found in the scan", [] if inspection.is_withheld else [grounds.surfaces_table(inspection)]),
         ("Quantities of the paper's method", [] if inspection.is_withheld else [tables.paper_table(inspection)]),
     ]
     numbered = [(str(number), *section) for number, section in enumerate(_filled(sections), 1)]

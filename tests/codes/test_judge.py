@@ -15,7 +15,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.check_records import check_record
 from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.model import Measured
-from tests.codes.flights import changed, even, flight_of, inspection_of, measured, step
+from tests.codes.flights import USUAL, changed, even, flight_of, inspection_of, measured, step
 from tests.codes.test_rules import rule, rule_set
 
 RISER = rule(minimum=None, maximum=Limit.of("170", "mm"))
@@ -835,3 +835,21 @@ def test_of_a_single_value_the_range_does_not_apply_unless_others_are_missing():
     assert alone.reason == "does not apply: a single step differs from nothing"
     (missing,) = judged(inspection_of(changed(even(3), 2, going_m=None)), GOING_RANGE).findings
     assert missing.reason.startswith("1 of 2 values are missing")
+
+
+@pytest.mark.parametrize(("u", "verdict"), [(0.004, Verdict.OUTSIDE_CLOSE), (0.006, Verdict.NOT_JUDGED)])
+def test_a_difference_that_is_less_certain_than_its_limit_is_large_is_not_judged(u, verdict):
+    # 6 mm from one step to the next, where 5 are allowed.
+    steps = changed(even(6, 0.0), 3, rise_m=measured(USUAL["rise"] + 0.006, u))
+    for decision in ("guarded", "simple"):
+        found = max(judged(inspection_of(steps), ADJACENT, decision=decision).findings, key=lambda each: each.value)
+        if decision == "simple" and verdict is Verdict.OUTSIDE_CLOSE:
+            assert found.verdict is Verdict.OUTSIDE
+        else:
+            assert found.verdict is verdict
+        assert ("U is larger than the limit itself" in found.reason) == (verdict is Verdict.NOT_JUDGED)
+
+
+def test_a_difference_far_beyond_its_limit_is_outside_however_uncertain_it_is():
+    steps = changed(even(6, 0.0), 3, rise_m=measured(USUAL["rise"] + 0.03, 0.006))
+    assert Verdict.OUTSIDE in {found.verdict for found in judged(inspection_of(steps), ADJACENT).findings}

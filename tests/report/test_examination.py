@@ -88,5 +88,7 @@ def test_what_a_scan_says_of_itself_is_text_in_page_and_workbook():
 
 def test_a_report_on_an_open_question_has_no_value():
     held = plain_document(of(ASKED))
-    assert not {"steps", "flights", "evidence", "uniformity", "budget", "paper"} & {each.key for each in held.tables()}
+    assert not {"steps", "flights", "evidence", "uniformity", "budget", "paper", "surfaces"} & {
+        each.key for each in held.tables()
+    }
     assert "A question about the scan has to be answered first; no value is given. Inches" in held.front[0].text
