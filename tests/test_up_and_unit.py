@@ -40,6 +40,8 @@ VIEWED = {"camera before it": View(), "camera above it": View(from_above=True)}
 KINDS = (*SCANNED, *VIEWED)
 PITCHES_DEG = (0.0, 10.0, 20.0, 30.0, 40.0)
 AXES = tuple(NAMED_UP)
+FEWEST_RIGHT = {"open risers": 0.45, "camera above it": 0.25}
+"""Without risers there is no rhythm to tell the unit by; a camera above sees treads only where it looks down."""
 
 
 @dataclass(frozen=True)
@@ -105,17 +107,20 @@ def test_up_and_unit_are_those_of_the_stair(variant):
     assert variant.verdict() == "right"
 
 
+def test_there_are_variants_of_every_axis_pitch_and_unit():
+    found = list(variants())
+    assert len(set(found)) == len(found) >= 200
+    assert {(variant.axis, variant.unit) for variant in found} == set(itertools.product(AXES, KNOWN_UNITS))
+
+
 @pytest.mark.slow
-def test_of_pitches_axes_units_and_kinds_none_is_wrong_without_a_question():
-    found = {variant: variant.verdict() for variant in variants()}
+@pytest.mark.parametrize("kind", KINDS)
+def test_of_pitches_axes_and_units_none_is_wrong_without_a_question(kind):
+    found = {variant: variant.verdict() for variant in variants() if variant.kind == kind}
     verdicts = list(found.values())
-    for kind in KINDS:
-        of_kind = [verdict for variant, verdict in found.items() if variant.kind == kind]
-        print(kind, {name: of_kind.count(name) for name in ("right", "asked", "nothing", "wrong")})
-    print(*(f"{verdict}: {variant}" for variant, verdict in found.items() if verdict != "right"), sep="\n")
-    assert len(found) >= 200
+    print(kind, {name: verdicts.count(name) for name in ("right", "asked", "nothing", "wrong")})
     assert [variant for variant, verdict in found.items() if verdict == "wrong"] == []
-    assert verdicts.count("right") >= 0.8 * len(found)
+    assert verdicts.count("right") >= FEWEST_RIGHT.get(kind, 0.9) * len(found)
 
 
 @pytest.mark.slow
