@@ -86,14 +86,14 @@ class Examination:
     """What a scan is like before anything is measured in it.
 
     ``steps_m`` (3,) is the step of the coordinates on each axis of the scan, metres: as decimals, the scale of an
-    integer format, a voxel lattice or float32 far from zero leave it; 0 where none shows. ``layers_m`` is how far
-    doubled surfaces lie apart, 0 where none are. ``is_thinned`` says that the points fill a lattice of these steps,
-    one in each cell.
+    integer format, a voxel lattice or float32 far from zero leave it; 0 where none shows. ``layers_m`` (k, 3) are the
+    shifts of doubled surfaces against each other, scan axes, each along what faces one way. ``is_thinned`` says that
+    the points fill a lattice of these steps, one in each cell.
     """
 
     observations: tuple[Observation, ...]
     steps_m: Floats
-    layers_m: float = 0.0
+    layers_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     is_thinned: bool = False
 
 

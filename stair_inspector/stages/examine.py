@@ -48,6 +48,8 @@ _CURES = {
 
 _TORN_M = 0.015
 """Surfaces that are double by so much are two height clusters, and steps would be counted twice."""
+_NEAR_COPY_M = 0.4
+"""A copy that lies farther off is another stair; a nearer one doubles every surface, as stations do."""
 _FILLED = 1.5
 """Spacing of points that fill a lattice, in its steps."""
 
@@ -87,7 +89,11 @@ def examine(scan: Scan) -> Examination:
         found.append(_observe_sparse(spacing_m, round(TREAD_M2 / spacing_m**2)))
     # One point in each cell: no two are alike, and none is farther from the next than a cell or its diagonal.
     is_thinned = scan.repeats is None and bool(steps.steps_m.all()) and spacing_m < _FILLED * float(steps.steps_m.max())
-    layers_m = max((way.apart_m for way in doubled), default=0.0)
+    if shift is None:
+        ways = [way.apart_m * way.normal for way in doubled]
+    else:
+        ways = [shift] if float(np.linalg.norm(shift)) <= _NEAR_COPY_M else []
+    layers_m = np.array(ways).reshape(-1, 3)
     return Examination(tuple(found), steps.steps_m, layers_m, is_thinned)
 
 
@@ -103,9 +109,9 @@ def with_questions(observations: tuple[Observation, ...], stated: UncertaintyPar
     """
     return tuple(
         replace(found, level="question", cure=f"{_answer_to(found.size_m)}, or: {found.cure}")
-        if found.code == "surfaces_doubled"
+        if found.code in ("surfaces_doubled", "cloud_copied")
         and found.size_m is not None
-        and found.size_m >= _TORN_M
+        and _TORN_M <= found.size_m <= _NEAR_COPY_M
         and stated.registration_m < _answering_m(found.size_m)
         else found
         for found in observations

@@ -5,11 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.model import Examination, LocalPlane, StepShape, Up
 from stair_inspector.params import UncertaintyParams
 from stair_inspector.stages.doubt import edge_doubt, layers_doubt, noise_before_rounding, rounding_doubt, thinning_doubt
+
+_TORN_M = 0.007
+"""Treads that are double by so much in height have no one face before them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,7 +28,7 @@ class Common:
     scale: float
     scan_from_level: Floats
     steps_m: Floats
-    layers_m: float
+    layers_m: Floats
     is_thinned: bool
 
     @classmethod
@@ -39,7 +43,7 @@ class Common:
             scale=doubts.scale_percent / 100.0,
             scan_from_level=level_from_scan.T,
             steps_m=np.zeros(3) if examined is None else examined.steps_m,
-            layers_m=0.0 if examined is None else examined.layers_m,
+            layers_m=np.zeros((0, 3)) if examined is None else examined.layers_m @ level_from_scan.T,
             is_thinned=examined is not None and examined.is_thinned,
         )
 
@@ -62,7 +66,8 @@ class Doubts:
 
         doubled = sorted(shape.plane.layers_m for shape in shapes if shape.plane.layers_m)
         # Where most treads are doubled, those that seem not to be were seen from one station, which may be either.
-        self._layers_m = doubled[len(doubled) // 2] if 2 * len(doubled) > len(shapes) else common.layers_m
+        of_scan = self._apart_m(np.array([0.0, 0.0, 1.0]))
+        self._layers_m = doubled[len(doubled) // 2] if 2 * len(doubled) > len(shapes) else of_scan
 
     def place(self, edge: EdgeLine, shape: StepShape) -> float:
         """Return how uncertain the place of a front or back edge is beyond the scatter along it."""
@@ -85,6 +90,28 @@ class Doubts:
         if plane is None:
             return 0.0
         return layers_doubt(plane.layers_m) if plane.layers_m else self._layers_m / 2.0
+
+    def layers_across(self, edge: EdgeLine | None, shape: StepShape) -> float:
+        """Return what doubled surfaces leave uncertain of the place of a front or back edge, along the climb.
+
+        Of two layers of a face either may have been found. Where a tread is double in height by more than the depth in
+        which a face's upper end is sought, the face of a nosing and that of the riser behind it are mistaken for each
+        other.
+        """
+        if edge is None:
+            return 0.0
+        apart_m = self._apart_m(np.array([*shape.climb, 0.0]))
+        above_m = shape.plane.layers_m or self._layers_m
+        mistaken = layers_doubt(priors.DEEPEST_OVERHANG_M) if above_m > _TORN_M else 0.0
+        return math.hypot(apart_m / 2.0, mistaken)
+
+    def layers_aside(self, shape: StepShape) -> float:
+        """Return the same of an edge at a tread's side, square to the climb."""
+        return self._apart_m(np.array([*_left_of(shape.climb), 0.0])) / 2.0
+
+    def _apart_m(self, direction: Floats) -> float:
+        """Return how far doubled surfaces lie apart in a direction of the level frame."""
+        return float(np.abs(self._common.layers_m @ direction).max(initial=0.0))
 
     def layers_of_slope(self, plane: LocalPlane, depth_m: float) -> float:
         """Return the same of a slope, as a tangent: at the front one layer may be seen, at the back the other."""

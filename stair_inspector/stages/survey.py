@@ -308,6 +308,7 @@ class _Measurer:
             resolution=math.hypot(
                 doubts.rounding_across(lower.front, lower), doubts.rounding_across(upper.front, upper)
             ),
+            layers=math.hypot(doubts.layers_across(lower.front, lower), doubts.layers_across(upper.front, upper)),
             up=self._context.up_rad * abs(rise_m),
             registration=self._context.registration_m,
             scale=self._context.scale * goings[1],
@@ -345,6 +346,7 @@ class _Measurer:
             noise=noise,
             edge=edge,
             resolution=math.hypot(*(self._doubts.rounding_across(end, shape) for end in (shape.front, shape.back))),
+            layers=math.hypot(*(self._doubts.layers_across(end, shape) for end in (shape.front, shape.back))),
             registration=self._context.registration_m,
             scale=self._context.scale * depth_m,
         )
@@ -377,6 +379,9 @@ class _Measurer:
             resolution=math.hypot(
                 self._doubts.rounding_across(shape.back, shape), self._doubts.rounding_across(above.front, above)
             ),
+            layers=math.hypot(
+                self._doubts.layers_across(shape.back, shape), self._doubts.layers_across(above.front, above)
+            ),
             up=self._context.up_rad * abs(rise_m),
             registration=NEAR_REGISTRATION * self._context.registration_m,
         )
@@ -394,6 +399,7 @@ class _Measurer:
             noise=math.hypot(shape.left.noise_at(s), shape.right.noise_at(s)),
             edge=doubt,
             resolution=math.hypot(*(self._doubts.rounding_aside(side, shape) for side in (shape.left, shape.right))),
+            layers=math.sqrt(2.0) * self._doubts.layers_aside(shape),
             registration=self._context.registration_m,
             scale=self._context.scale * width_m,
         )

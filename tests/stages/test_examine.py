@@ -95,15 +95,17 @@ def test_doubled_surfaces_are_said_with_their_distance():
     assert (found.code, found.size_m) == ("surfaces_doubled", pytest.approx(0.015, abs=5e-4))
     assert found.message.startswith("surfaces are double, 1")
     assert "register" in found.cure
-    assert examine(scan_of(points)).layers_m == found.size_m
-    assert examine(scan_of(POINTS)).layers_m == 0.0
+    assert np.linalg.norm(examine(scan_of(points)).layers_m, axis=1).max() == found.size_m
+    assert examine(scan_of(POINTS)).layers_m.shape == (0, 3)
 
 
 def test_a_copy_is_said_once_and_not_as_doubled_surfaces_too():
     found = only(np.concatenate([POINTS, POINTS + ABOVE]))
     assert (found.code, found.size_m) == ("cloud_copied", pytest.approx(0.02))
     assert found.message == "the cloud holds itself twice, shifted by 20 mm"
-    assert examine(scan_of(np.concatenate([POINTS, POINTS + ABOVE]))).layers_m == pytest.approx(0.02, abs=5e-4)
+    assert examine(scan_of(np.concatenate([POINTS, POINTS + ABOVE]))).layers_m == pytest.approx(
+        np.array([ABOVE]), abs=5e-4
+    )
 
 
 def test_a_mirror_image_is_said_with_its_axis():
@@ -145,6 +147,13 @@ def test_surfaces_that_are_double_by_much_are_asked_about_until_the_registration
         value = float(found.cure.split()[1].rstrip(","))
         assert found.cure.startswith("--uncertainty.registration-m ")
         assert with_questions((doubled(apart_m),), UncertaintyParams(registration_m=value))[0].level == "doubt"
+
+
+def test_a_copy_beside_itself_is_asked_about_and_one_farther_off_is_not():
+    for size_m, level in ((0.018, "question"), (0.3, "question"), (0.5, "doubt"), (6.0, "doubt")):
+        copy = Observation("cloud_copied", "doubt", "twice", size_m, "take it out")
+        (found,) = with_questions((copy,), UncertaintyParams())
+        assert (found.level, "take it out" in found.cure) == (level, True)
 
 
 def test_nothing_else_is_asked_about():

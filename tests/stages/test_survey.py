@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stair_inspector import priors
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import (
@@ -390,7 +391,7 @@ def test_noise_blurs_the_rounding_of_a_face_but_not_the_end_of_a_tread():
 def test_layers_are_in_every_rise_and_slope():
     # One layer alone is either of the two; the mean of both lies anywhere between them.
     either, between = 2.0 * 0.012 / 2.0, 2.0 * 0.012 / math.sqrt(12.0)
-    of_scan = survey_of(even(), examined=Examination((), np.zeros(3), 0.012)).steps
+    of_scan = survey_of(even(), examined=Examination((), np.zeros(3), np.array([[0.0, 0.0, 0.012]]))).steps
     doubled = survey_of([replace(s, plane=replace(s.plane, layers_m=0.012)) for s in even()]).steps
     for steps, one in ((of_scan, either), (doubled, between)):
         for step in steps[1:]:
@@ -400,6 +401,30 @@ def test_layers_are_in_every_rise_and_slope():
             )
     # Of the floor nothing is known but what the whole scan shows.
     assert dict(of_scan[0].rise_m.parts)["layers"] == pytest.approx(math.sqrt(2.0) * either, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("shift", "lengths"),
+    [
+        ([0.012, 0.0, 0.0], ("going_m", "tread_depth_m", "nosing_overhang_m")),
+        ([0.0, 0.012, 0.0], ("width_m",)),
+        ([0.0, 0.0, -0.004], ("rise_m",)),
+    ],
+)
+def test_layers_are_in_what_is_measured_along_their_shift_and_in_nothing_else(shift, lengths):
+    step = survey_of(even(), examined=Examination((), np.zeros(3), np.array([shift]))).steps[1]
+    for quantity in LENGTHS:
+        # At either end one layer may have been found or the other.
+        expected = math.sqrt(2.0) * max(map(abs, shift)) if quantity in lengths else 0.0
+        assert dict(getattr(step, quantity).parts).get("layers", 0.0) == pytest.approx(expected, rel=1e-9), quantity
+
+
+def test_where_treads_are_torn_in_height_a_nosing_may_be_the_riser_behind_it():
+    for apart_m, is_torn in ((0.006, False), (0.012, True)):
+        shift = np.array([[0.0, 0.0, apart_m]])
+        step = survey_of(even(), examined=Examination((), np.zeros(3), shift)).steps[1]
+        expected = 2.0 * math.sqrt(2.0) * priors.DEEPEST_OVERHANG_M / math.sqrt(12.0) if is_torn else 0.0
+        assert dict(step.going_m.parts).get("layers", 0.0) == pytest.approx(expected, rel=1e-9)
 
 
 def test_layers_of_one_tread_are_its_own_and_of_most_are_all_treads():
