@@ -50,6 +50,32 @@ def cure_words(found: Observation) -> str:
     return words
 
 
+def advice_in_words(text: str) -> str:
+    """Return a text with the words of settings for the flags that it advises.
+
+    Examples
+    --------
+    >>> advice_in_words("if they are steps, give --flights.max-rise-m 0.37")
+    'if they are steps, set largest rise to 370 mm'
+    """
+    text = re.sub(rf"(?:(?:give|use|set)\s+)?({_FLAGS.pattern})", _advised, text)
+    return re.sub(r"--([a-z][a-z-]*\.[a-z][a-z0-9-]*)", lambda found: _called(found.group(1).replace("-", "_")), text)
+
+
+def _advised(found: re.Match[str]) -> str:
+    cure = _cure_of(found.group(1))
+    return found.group(0) if cure is None else cure.words
+
+
+def _called(name: str) -> str:
+    """Return what a setting is called where it has a slider or a field."""
+    try:
+        knob = knob_of(name)
+    except ConfigError:
+        return _NAMES.get(name, name)
+    return f"{knob.symbol} ({knob.label})" if knob.symbol else knob.label
+
+
 def _cure_of(flags: str) -> Cure | None:
     """Return what some flags mean; None where one of them is no setting, or has a value that it cannot have."""
     try:
@@ -89,7 +115,6 @@ def _setting_words(name: str, value: object) -> str:
     try:
         knob = knob_of(name)
     except ConfigError:
-        return f"set {_NAMES.get(name, name)} to {value}"
+        return f"set {_called(name)} to {value}"
     unit = f" {knob.display_unit}" if knob.display_unit else ""
-    called = f"{knob.symbol} ({knob.label})" if knob.symbol else knob.label
-    return f"set {called} to {knob.shown(float(str(value))):g}{unit}"
+    return f"set {_called(name)} to {knob.shown(float(str(value))):g}{unit}"

@@ -12,7 +12,7 @@ from stair_inspector.params import METRES_PER_UNIT, UncertaintyParams
 from stair_inspector.stages.coordinate_steps import CoordinateSteps, find_steps
 from stair_inspector.stages.copies import find_mirrored_copy, find_shifted_copy
 from stair_inspector.stages.density import find_spacing
-from stair_inspector.stages.layers import DoubledWay, find_doubled
+from stair_inspector.stages.layers import LEAST_STEPS, DoubledWay, find_doubled
 
 _LEAST_SAID_M = 0.0004
 """A smaller step adds less than 0.3 mm (k = 2) to a height and lies below the noise of every scanner of buildings."""
@@ -48,6 +48,8 @@ _CURES = {
 
 _TORN_M = 0.015
 """Surfaces that are double by so much are two height clusters, and steps would be counted twice."""
+_HIDES_LAYERS_M = 0.003
+"""On a coarser step stations may lie farther apart than matters, and nothing shows it."""
 _NEAR_COPY_M = 0.4
 """A copy that lies farther off is another stair; a nearer one doubles every surface, as stations do."""
 _FILLED = 1.5
@@ -158,6 +160,8 @@ def _observe_steps(scan: Scan, steps: CoordinateSteps) -> list[Observation]:
         code = "points_on_lattice"
         turned = ", turned against the axes" if steps.is_turned else ""
         message = f"{whose} lie on a lattice of {size}{turned}, as of voxels or a grid"
+    if largest_m >= _HIDES_LAYERS_M:
+        message += f"; stations less than {size_text(LEAST_STEPS * largest_m)} apart cannot be told in it"
     return [Observation(code, "doubt", message, largest_m, _CURES[code])]
 
 

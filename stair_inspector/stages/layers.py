@@ -35,7 +35,7 @@ _FEWEST_CELLS = 10
 _LEAST_SHARE = 0.2
 _AGREEING = 0.6
 _SAME_PLANE_M = 0.03
-_LEAST_STEPS = 3.0
+LEAST_STEPS = 3.0
 """Coordinates on a step lie in layers one and two steps apart."""
 _SURELY_NO_SLAB = 0.8
 _FEWEST_PLANES, _FEWEST_ON_PLANE = 2, 4
@@ -248,7 +248,7 @@ def _judge(cells: _Cells, normal: Floats, members: Ints, step_m: float) -> Doubl
     if (
         len(agreeing) < max(_FEWEST_CELLS, _AGREEING * len(apart))
         or share < _LEAST_SHARE
-        or apart_m < _LEAST_STEPS * step_m
+        or apart_m < LEAST_STEPS * step_m
     ):
         return None
     if apart_m >= _SURELY_NO_SLAB * priors.SLAB_THICKNESS_M[0]:

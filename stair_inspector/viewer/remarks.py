@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from stair_inspector.model import Note
+from stair_inspector.report.cures import advice_in_words
 from stair_inspector.stages.withhold import ANSWERED_BY
 
 _ON_THE_PAGE = (
@@ -43,7 +44,7 @@ def on_page(words: str) -> str:
     for said, meant in _ON_THE_PAGE:
         words = words.replace(said, meant)
     # A page has buttons for it, above the tabs.
-    return words.partition(ANSWERED_BY)[0]
+    return advice_in_words(words.partition(ANSWERED_BY)[0])
 
 
 def needs_look(note: Note) -> bool:

@@ -4,7 +4,8 @@ import pytest
 
 from stair_inspector.model import Observation
 from stair_inspector.params import Params
-from stair_inspector.report.cures import cure_words, cures_of
+from stair_inspector.report.cures import advice_in_words, cure_words, cures_of
+from stair_inspector.report.note_words import note_words
 
 
 def found(cure):
@@ -61,3 +62,26 @@ def test_a_flag_in_a_sentence_is_offered_and_said_in_words():
 def test_what_is_no_setting_is_no_button(cure):
     assert cures_of(found(cure)) == ()
     assert cure_words(found(cure)) == cure
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("use --horizontal.theta-deg 26", "set θ_th (normal tolerance) to 26 °"),
+        ("4 steps; raise --flights.max-gap-m", "4 steps; raise largest gap"),
+        ("if so, give --unit ft", "if so, the file is in feet"),
+        ("set --flights.min-risers 2", "set fewest risers to 2"),
+    ],
+)
+def test_advice_in_a_sentence_is_in_the_words_of_the_page(text, words):
+    assert advice_in_words(text) == words
+
+
+def test_a_report_gives_no_advice_about_settings():
+    cause = "7 horizontal surfaces, but 5 of them follow each other"
+    for advice in (
+        "; if they are steps, give --flights.max-rise-m 0.37",
+        "; raise --flights.max-gap-m",
+        ": use --axes.rule x",
+    ):
+        assert note_words(cause + advice) == cause

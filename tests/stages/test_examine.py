@@ -39,7 +39,7 @@ def test_a_step_far_below_the_noise_is_known_and_not_worth_a_word():
 def test_rounded_coordinates():
     found = only(POINTS.round(2))
     assert (found.code, found.size_m) == ("coordinates_rounded", pytest.approx(0.01))
-    assert found.message == "the coordinates are rounded to 10 mm"
+    assert found.message == "the coordinates are rounded to 10 mm; stations less than 30 mm apart cannot be told in it"
     assert "0.0001" in found.cure
 
 
