@@ -38,8 +38,9 @@ _SAME_PLANE_M = 0.03
 LEAST_STEPS = 3.0
 """Coordinates on a step lie in layers one and two steps apart."""
 _SURELY_NO_SLAB = 0.8
-_FEWEST_PLANES, _FEWEST_ON_PLANE = 2, 4
-"""Planes, and cells on each, on which surfaces as far apart as the faces of a slab must be double."""
+_FEWEST_PLANES, _FEWEST_ON_PLANE, _STACK = 2, 4, 4
+"""Planes, and cells on each, on which surfaces as far apart as the faces of a slab must be double; and so many planes
+that face one way are levels or risers."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -253,9 +254,13 @@ def _judge(cells: _Cells, normal: Floats, members: Ints, step_m: float) -> Doubl
         return None
     if apart_m >= _SURELY_NO_SLAB * priors.SLAB_THICKNESS_M[0]:
         shares, sizes = _shares_by_plane(split.offset_m[counts], is_one[counts])
-        # A slab or a panel shows both faces in one place; what is double through its stations is so in several.
-        is_double = (shares >= _LEAST_SHARE) & (sizes >= _FEWEST_ON_PLANE)
-        if not is_double[int(sizes.argmax())] or np.count_nonzero(is_double) < _FEWEST_PLANES:
+        is_plane = sizes >= _FEWEST_ON_PLANE
+        is_double = is_plane & (shares >= _LEAST_SHARE)
+        if not is_double[int(sizes.argmax())]:
+            return None
+        # A partition shows both faces where little else faces its way. Of levels or risers several do, and of those
+        # each station may have seen others.
+        if np.count_nonzero(is_plane) < _STACK and np.count_nonzero(is_double) < _FEWEST_PLANES:
             return None
     return DoubledWay(freeze(normal.copy()), apart_m, share)
 

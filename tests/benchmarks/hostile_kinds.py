@@ -249,15 +249,21 @@ def sparse(seed: int) -> Iterator[Variant]:
 
 
 def stations_apart(seed: int) -> Iterator[Variant]:
-    """Two stations that lie apart in height or sideways."""
-    for axis, apart_m in ((2, 0.006), (2, 0.012), (2, 0.02), (0, 0.012), (1, 0.015)):
+    """Two stations that lie apart in height, along the climb, across it, or all of that."""
+    for way, apart_m in (
+        *(("z", apart_m) for apart_m in (0.006, 0.012, 0.014, 0.02)),
+        *(("x", apart_m) for apart_m in (0.006, 0.012)),
+        *(("y", apart_m) for apart_m in (0.015,)),
+        *(("xyz", apart_m) for apart_m in (0.01,)),
+    ):
 
-        def points_of(simulated: SimulatedScan, axis: int = axis, apart_m: float = apart_m) -> np.ndarray:
+        def points_of(simulated: SimulatedScan, way: str = way, apart_m: float = apart_m) -> np.ndarray:
             shift = np.zeros((len(simulated.points), 3))
-            shift[simulated.station_ids == 1, axis] = apart_m
+            for axis in way:
+                shift[simulated.station_ids == 1, "xyz".index(axis)] = apart_m
             return simulated.points + shift
 
-        name = f"{1000.0 * apart_m:g} mm along {'xyz'[axis]}, seed {seed}"
+        name = f"{1000.0 * apart_m:g} mm along {way}, seed {seed}"
         yield variant_of(name, EVEN, replace(TLS, seed=seed), points_of=points_of)
 
 
