@@ -83,7 +83,8 @@ def _with_checked_front(shape: StepShape, expected: _Expected | None) -> StepSha
         # The riser was seen where the tread was not.
         moved = replace(front, middle_m=front.middle_m - hidden_m, noise_m=expected.noise_m, support=0.0)
         return replace(shape, front=replace(moved, obstructed_m=0.0))
-    return replace(shape, front=doubted)
+    # A shadow may be deeper than what is usual: it reaches to where the nosing should lie.
+    return replace(shape, front=replace(doubted, noise_m=math.hypot(doubted.noise_m, hidden_m / 2.0)))
 
 
 def _expect(shapes: list[StepShape], k: int, chain: Chain, climb: Floats | None) -> _Expected | None:
@@ -171,12 +172,12 @@ def with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]
     not seen is taken to be in line with those that were, as unsure as what was seen of the tread ends before. What goes
     up inside the sides of the steps below and above may be a box or a person: no wall narrows one step alone.
     """
-    if len(shapes) < _FEWEST_FOR_SIDES:
-        return shapes
     across = np.array([-climb[1], climb[0]])
     origins = [float(shape.origin_m @ across) for shape in shapes]
     left = _common_side([(origin, shape.left, 1.0) for origin, shape in zip(origins, shapes, strict=True)])
     right = _common_side([(origin, shape.right, -1.0) for origin, shape in zip(origins, shapes, strict=True)])
+    if len(shapes) < _FEWEST_FOR_SIDES and not (left.is_blurred or right.is_blurred):
+        return shapes
     result = []
     for k, (shape, origin) in enumerate(zip(shapes, origins, strict=True)):
         inmost_left = _inmost_beside([o + each.left.middle_m for o, each in zip(origins, shapes, strict=True)], k)
@@ -184,9 +185,9 @@ def with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]
         to_left, hidden_left = _checked_side(shape.left, left, origin, 1.0, inmost_left)
         to_right, hidden_right = _checked_side(shape.right, right, origin, -1.0, inmost_right)
         low, high = shape.line_range
-        if abs(hidden_left) > _SIDE_DIFFERS_M:
+        if abs(hidden_left) > _SIDE_DIFFERS_M and not left.is_blurred:
             high = left.place_m - origin
-        if abs(hidden_right) > _SIDE_DIFFERS_M:
+        if abs(hidden_right) > _SIDE_DIFFERS_M and not right.is_blurred:
             low = -right.place_m - origin
         result.append(replace(shape, left=to_left, right=to_right, line_range=(low, high)))
     return result
@@ -195,21 +196,23 @@ def with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]
 def _inmost_beside(places_m: list[float], k: int) -> float:
     """Return the inner one of the sides of the steps below and above; at an end the line of the next two counts too."""
     near = [places_m[j] for j in (k - 1, k + 1) if 0 <= j < len(places_m)]
-    if len(near) == 1:
+    if len(near) == 1 and len(places_m) > len(near) + 1:
         inner, farther = (places_m[1], places_m[2]) if k == 0 else (places_m[-2], places_m[-3])
         near.append(2.0 * inner - farther)
-    return min(near)
+    return min(near, default=-math.inf)
 
 
 @dataclass(frozen=True, slots=True)
 class _Side:
     """Where the sides of a flight's steps lie, outwards from its middle, and how much they differ.
 
-    ``scatter_m`` is None where too few of them agree.
+    ``scatter_m`` is None where too few of them agree; ``is_blurred`` tells that this may be for noise, and that the
+    place is the outermost.
     """
 
     place_m: float
     scatter_m: float | None
+    is_blurred: bool = False
 
 
 def _common_side(edges: list[tuple[float, EdgeLine, float]]) -> _Side:
@@ -217,15 +220,15 @@ def _common_side(edges: list[tuple[float, EdgeLine, float]]) -> _Side:
     places = np.array([sign * (origin + edge.middle_m) for origin, edge, sign in edges])
     is_found = np.array([not _is_guess(edge) for _, edge, _ in edges])
     place_m = float(np.median(places))
-    if np.count_nonzero(is_found) < _FEWEST_FOR_SIDES:
-        return _Side(place_m, None)
     found = places[is_found]
-    middle_m = float(np.median(found))
+    middle_m = float(np.median(found)) if len(found) else place_m
     noises = np.array([edge.free_noise_m for _, edge, _ in edges])[is_found]
     agrees = np.abs(found - middle_m) <= np.maximum(_SAME_PLACE_M, _SAME_SIGMAS * noises)
     n_agree = int(np.count_nonzero(agrees))
     if n_agree < _FEWEST_FOR_SIDES or 2 * n_agree <= len(found):
-        return _Side(place_m, None)
+        # What noise cuts off a tread, it cuts off at another place than the next one's: none reaches too far.
+        is_blurred = float(np.median([edge.free_noise_m for _, edge, _ in edges])) > _SAME_PLACE_M
+        return _Side(float(places.max()), None, True) if is_blurred else _Side(place_m, None)
     weights = 1.0 / np.maximum(noises[agrees], 0.5 * float(np.median(noises[agrees])) + 1e-6) ** 2
     mean_m = float(np.average(found[agrees], weights=weights))
     scatter_m = math.sqrt(float(np.average((found[agrees] - mean_m) ** 2, weights=weights)))
@@ -253,7 +256,7 @@ def _checked_side(edge: EdgeLine, side: _Side, origin_m: float, sign: float, inm
         if _is_guess(edge) and abs(hidden_m) <= _SIDE_DIFFERS_M:
             noise_m = math.hypot(side.scatter_m, hidden_m / 2.0, _SAME_PLACE_M / 2.0)
             return replace(edge, middle_m=edge.middle_m + sign * hidden_m, slope=0.0, noise_m=noise_m), 0.0
-    limit_m = _SIDE_DIFFERS_M + 4.0 * edge.noise_m
+    limit_m = _SIDE_INSIDE_M + edge.noise_m if side.is_blurred else _SIDE_DIFFERS_M + 4.0 * edge.noise_m
     if side.scatter_m is not None:
         limit_m = min(limit_m, _SIDE_INSIDE_M + _INSIDE_SIGMAS * math.hypot(edge.noise_m, side.scatter_m))
     is_of_a_thing = edge.is_wall and inmost_m - sign * (origin_m + edge.middle_m) > _SIDE_DIFFERS_M

@@ -42,11 +42,15 @@ def test_a_nosing_in_shadow_lies_before_its_riser_as_the_others_do():
     assert found.support == 0.0
 
 
-def test_a_nosing_in_shadow_without_a_riser_stays_where_it_seems_to_be_and_is_doubted():
+@pytest.mark.parametrize("moved_m", [0.04, 0.1])
+def test_a_nosing_in_shadow_without_a_riser_stays_where_it_seems_to_be_and_may_lie_where_the_rhythm_has_it(moved_m):
+    found = fronts("face", "face", "face", "face", "tread", "face", moved_m=moved_m, has_risers=False)[4]
+    assert (found.middle_m, found.support) == (moved_m, 0.0)
+    assert found.noise_m == pytest.approx(math.hypot(0.001, UNSEEN_M, moved_m / 2.0))
+
+
+def test_a_nosing_in_shadow_of_which_nothing_tells_stays_where_it_seems_to_be_and_is_doubted():
     for found in (
-        fronts("face", "face", "face", "face", "tread", "face", moved_m=0.04, has_risers=False)[4],
-        # A shadow that hides so much hides the riser too.
-        fronts("face", "face", "face", "face", "tread", "face", moved_m=0.2)[4],
         # Two others tell nothing of a rhythm.
         fronts("face", "tread", "face", moved_m=0.001, has_risers=False)[1],
         # Nor do those of a flight that winds.
@@ -135,6 +139,19 @@ def test_sides_that_do_not_agree_tell_nothing():
         for s, inside_m in zip(even(5), widths, strict=True)
     ]
     assert [s.left for s in with_common_sides(shapes, ALONG_X)] == [s.left for s in shapes]
+
+
+@pytest.mark.parametrize("n", [2, 4])
+def test_sides_that_noise_cuts_off_may_reach_as_far_as_any_of_their_flight(n):
+    inside_m = (0.0, 0.1, 0.3, 0.5)[:n]
+    edges = [line(WIDTH / 2 - each, noise_m=0.01, source="tread", along_m=DEPTH / 2) for each in inside_m]
+    shapes = [replace(s, left=edge) for s, edge in zip(even(n), edges, strict=True)]
+    found = with_common_sides(shapes, ALONG_X)
+    assert [s.left.middle_m for s in found] == [edge.middle_m for edge in edges]
+    wanted = [math.hypot(0.01, each / 2.0) for each in inside_m]
+    assert [s.left.noise_m for s in found] == pytest.approx(wanted)
+    # Where the sides are is not known: the lines stay on what was seen of each tread.
+    assert [s.line_range for s in found] == [s.line_range for s in shapes]
 
 
 def walls(*inside_m):

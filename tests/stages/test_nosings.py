@@ -7,11 +7,12 @@ from functools import cache
 import numpy as np
 import pytest
 
+from stair_inspector.geometry.edges import Sampling
 from stair_inspector.model import Chain, Chains, Normals
 from stair_inspector.params import FlightsParams, LevelsParams, PatchesParams, SurveyParams
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.levels import find_height_reach, find_levels, select_horizontal
-from stair_inspector.stages.nosings import find_shapes, flight_after, straight_climb
+from stair_inspector.stages.nosings import _Finder, _Near, find_shapes, flight_after, straight_climb
 from stair_inspector.stages.orient import find_up, order_by_height
 from stair_inspector.stages.patches import split_levels
 from stair_inspector.stages.rejects import Forced
@@ -268,3 +269,20 @@ def test_without_a_flight_there_are_no_shapes():
     patches = split_levels(horizontal, levels, PatchesParams(), LevelsParams())
     chains = find_chains(patches, FlightsParams(), PatchesParams().min_area_m2, Forced({}))
     assert find_shapes(heights, horizontal, patches, chains, SurveyParams()) == ()
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_points_of_a_face_that_noise_hides_do_not_push_an_edge_out(seed):
+    rng = np.random.default_rng(seed)
+    n, n_front, sigma_m = 1500, 500, 0.008
+    # A tread that ends at 0, and a face of a front that slants out below it, within the tread's noise.
+    tread = np.stack([rng.uniform(-0.3, 0.0, n), rng.uniform(0.0, 1.0, n), rng.normal(0.0, sigma_m, n)])
+    front = np.stack(
+        [rng.uniform(0.0, 0.04, n_front), rng.uniform(0.0, 1.0, n_front), rng.uniform(-0.011, -0.002, n_front)]
+    )
+    near = _Near(*np.concatenate([tread, front], axis=1))
+    finder = _Finder(near, Sampling(sigma_m, 0.014), 3.0 * sigma_m, SurveyParams())
+    edge = finder.edge(near.s, near.w, (0.03, 0.97), 0.0, is_foot=False)
+    assert (edge.source, edge.support) == ("tread", 1.0)
+    assert 0.002 < edge.noise_m < 0.06
+    assert abs(edge.at(0.5)) <= 2.0 * edge.noise_m
