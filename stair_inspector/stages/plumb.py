@@ -28,6 +28,10 @@ _SIGMAS = 3.0
 _LEVELLED_DEG = 3.0
 """Scans whose z axis is as near as this to floor or treads were levelled by their scanner."""
 _BLOCK_M = 0.25
+_STRIP_M = priors.LONGEST_TREAD_M / math.sqrt(12.0)
+"""Standard deviation across a floor that is no deeper than a tread: of a strip the slope is badly known."""
+_TREADS_DEG = 0.1
+"""How level treads are built on the whole, a standard deviation, where no floor says whether they are."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +42,7 @@ class _Slopes:
     tread_slope: Floats
     tread_noise_deg: float
     base_noise_deg: float | None
+    has_floor: bool
     up_from_treads: Floats
 
 
@@ -63,7 +68,7 @@ def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None
     But for limits that are wider, the treads are found with the default settings, whatever the user's are, so that up
     does not move while a slider does. Where floor and treads disagree: if the scan's z axis is within 3 degrees of
     either it was levelled, and the one nearer to it is taken; else the treads are, of which there are several, if they
-    agree with each other.
+    agree with each other. Of a scan that was not levelled and shows no more of a floor than a strip, they are too.
     """
     few = _thinned(scan, normals)
     limits = limits or FlightsParams()
@@ -76,6 +81,10 @@ def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None
     floor_up = up if base_noise_deg is None else replace(up, u_deg=2.0 * base_noise_deg)
     if by_floor.n_treads < _FEWEST_TREADS:
         return floor_up
+    if not by_floor.has_floor and _from_z_deg(up.vector) > _LEVELLED_DEG:
+        vector, treads = _up_from_treads(few, by_floor, up, limits)
+        u_deg = 2.0 * math.hypot(treads.tread_noise_deg, _TREADS_DEG)
+        return Up(own(vector, (3,), "up"), "treads", u_deg, up.notes, up.observations)
     # Where the treads are the better known, an uneven floor's own doubt must not hide that it leans.
     floor_noise_deg = base_noise_deg or 0.0
     is_floor_better = floor_noise_deg <= by_floor.tread_noise_deg
@@ -87,15 +96,7 @@ def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None
             # Which of the two is level is not known: up lies anywhere between.
             return replace(floor_up, u_deg=math.hypot(floor_up.u_deg, 2.0 * apart_deg / math.sqrt(3.0)))
         return floor_up
-    treads = by_floor
-    vector = up.vector
-    for _ in range(_ROUNDS):
-        vector = treads.up_from_treads
-        again = _slopes(*few, replace(up, vector=own(vector, (3,), "up")), limits)
-        if again is None or again.n_treads < _FEWEST_TREADS:
-            break
-        treads = again
-        vector = treads.up_from_treads
+    vector, treads = _up_from_treads(few, by_floor, up, limits)
     to_floor, to_treads = _from_z_deg(up.vector), _from_z_deg(vector)
     is_levelled = min(to_floor, to_treads) <= _LEVELLED_DEG
     takes_treads = to_treads < to_floor if is_levelled else treads.tread_noise_deg < apart_deg / _SIGMAS
@@ -112,6 +113,22 @@ def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None
         return replace(floor_up, notes=(*up.notes, note))
     # What was said about the floor's plane concerns the direction no longer.
     return Up(own(vector, (3,), "up"), "treads", 2.0 * treads.tread_noise_deg, (*up.notes, note), up.observations)
+
+
+def _up_from_treads(
+    few: tuple[Scan, Normals], by_floor: _Slopes, up: Up, limits: FlightsParams
+) -> tuple[Floats, _Slopes]:
+    """Return up as the treads give it, found again along it, and the slopes relative to it."""
+    treads = by_floor
+    vector = up.vector
+    for _ in range(_ROUNDS):
+        vector = treads.up_from_treads
+        again = _slopes(*few, replace(up, vector=own(vector, (3,), "up")), limits)
+        if again is None or again.n_treads < _FEWEST_TREADS:
+            break
+        treads = again
+        vector = treads.up_from_treads
+    return vector, treads
 
 
 def _thinned(scan: Scan, normals: Normals) -> tuple[Scan, Normals]:
@@ -146,15 +163,21 @@ def _slopes(scan: Scan, normals: Normals, up: Up, limits: FlightsParams) -> _Slo
         tread_slope=middle,
         tread_noise_deg=math.degrees(MEDIAN_NOISE * scatter / math.sqrt(len(numbers))),
         base_noise_deg=None if not noises else math.degrees(min(noises)),
+        has_floor=any(_least_spread(patches.surfaces[k]) > _STRIP_M for k in bases),
         up_from_treads=horizontal.level_from_scan.T @ (normal / np.linalg.norm(normal)),
     )
 
 
 def _slope_noise(surface: Surface) -> float:
     """Return the standard uncertainty of a surface's slope: its unevenness over its size, one bump in each block."""
-    spread_m = math.sqrt(float(np.min(np.linalg.eigvalsh(np.cov(surface.cells_m)))))
+    spread_m = _least_spread(surface)
     n_blocks = max(1.0, surface.area_m2 / _BLOCK_M**2)
     return surface.sigma_m / (max(spread_m, 1e-3) * math.sqrt(n_blocks))
+
+
+def _least_spread(surface: Surface) -> float:
+    """Return the standard deviation of a surface's cells across its longer side, metres."""
+    return math.sqrt(float(np.min(np.linalg.eigvalsh(np.cov(surface.cells_m)))))
 
 
 def _from_z_deg(vector: Floats) -> float:

@@ -210,3 +210,16 @@ def test_a_large_scan_that_repeats_points_is_thinned_too():
     up = Up(np.array([0.0, 0.0, 1.0]), "floor")
     found = refine_up(scan, normals, up)
     assert found.vector.tolist() == up.vector.tolist()
+
+
+@pytest.mark.parametrize("degrees", [0.0, 3.0])
+def test_a_camera_that_sees_a_strip_of_floor_alone_takes_up_from_the_treads(degrees):
+    # Of a floor of 0.2 m its lean is hardly known, and a little unevenness is much of it.
+    strip = replace(STAIR, floor_depth=0.2, risers=True)
+    _, up = refined(*leaning(strip, {0}, degrees), rotation("x", 70.0))
+    assert up.source == "treads"
+    # Which side is up, nothing else in this scan tells.
+    off_deg = degrees_between(up.vector, rotation("x", 70.0) @ LEVEL)
+    assert min(off_deg, 180.0 - off_deg) < 0.1
+    # So level are treads built.
+    assert 0.2 <= up.u_deg < 0.3
