@@ -88,13 +88,15 @@ class Examination:
     ``steps_m`` (3,) is the step of the coordinates on each axis of the scan, metres: as decimals, the scale of an
     integer format, a voxel lattice or float32 far from zero leave it; 0 where none shows. ``layers_m`` (k, 3) are the
     shifts of doubled surfaces against each other, scan axes, each along what faces one way. ``is_thinned`` says that
-    the points fill a lattice of these steps, one in each cell.
+    the points fill a lattice of these steps, one in each cell; ``is_view`` that the scan was taken from its origin in
+    one direction, as a camera's frame is.
     """
 
     observations: tuple[Observation, ...]
     steps_m: Floats
     layers_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     is_thinned: bool = False
+    is_view: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -91,7 +91,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     shapes = memo.run("nosings", find_shapes, *of_points, float(examined.steps_m.max()) if is_sparse else None)
     how_sure = (params.survey, params.uncertainty, params.display, examined)
     survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, *how_sure)
-    survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey), params.flights)
+    survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey), params.flights, shapes, examined)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
     if not concluded.steps and not is_hopeless:
         tried = memo.run("suggested", try_suggested, heights, is_sparse, params, forced)

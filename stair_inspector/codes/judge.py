@@ -20,6 +20,8 @@ _LANDINGS_TOO = ("rise",)
 """Quantities of treads and landings alike; the others are those of treads, ``landing_slope`` of landings."""
 _OVER_EDGES = ("rise", "going", "two_r_plus_g", "tread_depth", "nosing_overhang")
 """Quantities that hang on the edges of a step."""
+_NO_NOSING = ("step_impossible", "step_blurred")
+"""Notes that a step's nosing gives no values, neither its own nor its neighbours'."""
 _CHAINED = ("rise", "going")
 """Quantities from nosing to nosing, so that neighbours share one."""
 _DIFFERENCES = ("flight_range", "adjacent_difference")
@@ -248,7 +250,7 @@ class _Judge:
         near = (here, above, here - 1) if quantity in _OVER_EDGES else ()
         for number in near:
             for note in self._inspection.notes:
-                if (note.step, note.code) == (number, "step_impossible") and number in flight.step_ids:
+                if note.step == number and note.code in _NO_NOSING and number in flight.step_ids:
                     return note.message
         if is_last and quantity in ("going", "two_r_plus_g", "nosing_overhang"):
             return f"no nosing was seen above step {here}, up to which its going is measured"

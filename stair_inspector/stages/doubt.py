@@ -30,6 +30,11 @@ NEAR_REGISTRATION = 0.5
 """Share of what registration adds from one step to the next that is left between two edges at one place."""
 _SURFACE_SIGMA = 0.02
 """Doubt about a surface's height beyond its scatter, as a share of the noise of single points."""
+LEAST_GRAZING = 0.05
+"""Sine of the least angle at which anything is seen of a surface."""
+_PATCH_M = 0.08
+"""Side of the patches over which a camera's noise is
+one: five pixels at three metres."""
 _LEAST_LEFT = 0.1
 _HARMONICS = 40
 """Of the saw-tooth that rounding adds: those beyond have a thousandth of its variance."""
@@ -53,6 +58,37 @@ def edge_doubt(edge: EdgeLine, plane: LocalPlane) -> float:
     else:
         parts = (_TREAD_EDGE_M, _TREAD_EDGE_SPACING * plane.spacing_m, _TREAD_EDGE_SIGMA * plane.sigma_m)
     return math.hypot(*parts)
+
+
+def view_doubt(edge: EdgeLine, plane: LocalPlane, ray: Floats, across: Floats, length_m: float) -> float:
+    """Return what is left uncertain of an edge by how a camera sees it, metres: beyond what any scan leaves open.
+
+    Parameters
+    ----------
+    edge : EdgeLine
+        A surface's edge.
+    plane : LocalPlane
+        Of the surface. What it departs from a plane by is the noise that neighbouring points have in common.
+    ray : (3,)
+        Unit vector from the camera to the surface, level frame: along it lies the noise.
+    across : (2,)
+        Direction of the plan, square to the edge.
+    length_m : float
+        Of the edge.
+
+    Notes
+    -----
+    Seen at a grazing angle, a surface shows little of the noise in its height, and its edge all of it; and its points
+    lie in rows, one of which may be missing before the edge.
+    """
+    grazing = max(abs(float(ray[2])), LEAST_GRAZING)
+    along = abs(float(ray[:2] @ across))
+    common_m = plane.misfit_m / grazing * along / math.sqrt(max(1.0, length_m / _PATCH_M))
+    if edge.source == "face":
+        return common_m
+    # Rays lie as far apart in the row as between rows, but for the slant: the spacing is the root of the product.
+    rows_m = plane.spacing_m / math.sqrt(grazing) * along
+    return math.hypot(common_m, _TREAD_EDGE_SPACING * rows_m)
 
 
 def surface_doubt(plane: LocalPlane) -> float:

@@ -13,11 +13,13 @@ from stair_inspector.stages.coordinate_steps import CoordinateSteps, find_steps
 from stair_inspector.stages.copies import find_mirrored_copy, find_shifted_copy
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.layers import LEAST_STEPS, DoubledWay, find_doubled
+from stair_inspector.stages.readings import is_view
 
 _LEAST_SAID_M = 0.0004
 """A smaller step adds less than 0.3 mm (k = 2) to a height and lies below the noise of every scanner of buildings."""
 _FEWEST = 500
 """Of fewer points nothing more can be said."""
+_MOST_FOR_VIEW = 30_000
 _FINE = 0.2
 POINTS_PER_TREAD = 100
 """So many are enough to measure a tread."""
@@ -68,7 +70,7 @@ def examine(scan: Scan) -> Examination:
     -------
     Examination
         Observations, those of the reader first; the step of the coordinates on each axis; the distance of doubled
-        surfaces. Without observations where nothing is the matter.
+        surfaces; whether it is a camera's frame. Without observations where nothing is the matter.
     """
     steps = find_steps(scan)
     found = [*scan.observations, *_observe_steps(scan, steps)]
@@ -96,7 +98,8 @@ def examine(scan: Scan) -> Examination:
     else:
         ways = [shift] if float(np.linalg.norm(shift)) <= _NEAR_COPY_M else []
     layers_m = np.array(ways).reshape(-1, 3)
-    return Examination(tuple(found), steps.steps_m, layers_m, is_thinned)
+    few = scan.points[:: -(-len(scan.points) // _MOST_FOR_VIEW)]
+    return Examination(tuple(found), steps.steps_m, layers_m, is_thinned, is_view(scan, few))
 
 
 def with_questions(observations: tuple[Observation, ...], stated: UncertaintyParams) -> tuple[Observation, ...]:

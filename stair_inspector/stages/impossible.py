@@ -10,8 +10,10 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Flight, Note, Step
+from stair_inspector.model import Examination, Flight, Note, Step, StepShape
 from stair_inspector.params import FlightsParams
+from stair_inspector.stages.blurred import CODE as BLURRED
+from stair_inspector.stages.blurred import find_blurred
 from stair_inspector.stages.survey import Survey, statistics_of
 
 CODE = "step_impossible"
@@ -33,9 +35,20 @@ class _Lost:
         if step is not None:
             self.fields.setdefault(step.step_id, set()).update(names)
 
+    def take_nosing(self, steps: Sequence[Step], k: int) -> None:
+        """Take out what hangs on the nosing of one step of a flight."""
+        self.take(steps[k], *_OF_NOSING)
+        self.take(steps[k - 1] if k else None, *_OVER_NOSING)
+        self.take(steps[k + 1] if k + 1 < len(steps) else None, "rise_m", "rise_lcr_m")
 
-def take_out_impossible(survey: Survey, limits: FlightsParams) -> Survey:
-    """Take out of a survey what no staircase has.
+
+def take_out_impossible(
+    survey: Survey,
+    limits: FlightsParams,
+    shapes: Sequence[Sequence[StepShape]] = (),
+    examined: Examination | None = None,
+) -> Survey:
+    """Take out of a survey what no staircase has, and what a camera saw too badly.
 
     A going that is not positive, a pitch that is steeper than any stair, nosings that cross: then one of the two edges
     was found in the wrong place, and so is everything that is measured from it. It is the one that fits its other
@@ -48,6 +61,8 @@ def take_out_impossible(survey: Survey, limits: FlightsParams) -> Survey:
         As it was measured.
     limits : FlightsParams
         A stair with the largest rise that the user looks for is possible however steep it is.
+    shapes, examined
+        Of the same scan. Of a camera's frame, steps that are too blurred are taken out as well.
 
     Returns
     -------
@@ -56,11 +71,18 @@ def take_out_impossible(survey: Survey, limits: FlightsParams) -> Survey:
         the statistics and the pitch of the flight are without them.
     """
     lost = _Lost()
+    blurred = find_blurred(shapes) if examined is not None and examined.is_view else {}
     by_id = {step.step_id: step for step in survey.steps}
     steepest_deg = steepest_pitch_deg(limits)
     for flight in survey.flights:
         own = [by_id[number] for number in flight.step_ids]
-        _review_flight(own, flight.shape == "straight", steepest_deg, lost)
+        for k, step in enumerate(own):
+            if step.step_id in blurred:
+                lost.take_nosing(own, k)
+                lost.notes.append(Note(BLURRED, "impossible", blurred[step.step_id], step.step_id))
+        # What is out needs no other reason.
+        left = [_without_fields(step, lost.fields.get(step.step_id, ())) for step in own]
+        _review_flight(left, flight.shape == "straight", steepest_deg, lost)
     if not lost.fields:
         return survey
     steps = tuple(_without_fields(step, lost.fields.get(step.step_id, ())) for step in survey.steps)
@@ -98,9 +120,7 @@ def _review_flight(steps: Sequence[Step], is_straight: bool, steepest_deg: float
         lost.take(steps[k], *_OVER_NOSING)
         lost.take(upper, "rise_m", "rise_lcr_m")
         for wrong in _mistaken(steps, k, why, usual_m):
-            lost.take(steps[wrong], *_OF_NOSING)
-            lost.take(steps[wrong - 1] if wrong else None, *_OVER_NOSING)
-            lost.take(steps[wrong + 1] if wrong + 1 < len(steps) else None, "rise_m", "rise_lcr_m")
+            lost.take_nosing(steps, wrong)
             number = steps[wrong].step_id
             message = (
                 f"step {number}: {reason}, as on no staircase: what was found is not its nosing, and nothing is "

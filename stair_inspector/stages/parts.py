@@ -10,7 +10,14 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.model import Examination, LocalPlane, StepShape, Up
 from stair_inspector.params import UncertaintyParams
-from stair_inspector.stages.doubt import edge_doubt, layers_doubt, noise_before_rounding, rounding_doubt, thinning_doubt
+from stair_inspector.stages.doubt import (
+    edge_doubt,
+    layers_doubt,
+    noise_before_rounding,
+    rounding_doubt,
+    thinning_doubt,
+    view_doubt,
+)
 
 _TORN_M = 0.007
 """Treads that are double by so much in height have no one face before them."""
@@ -30,6 +37,7 @@ class Common:
     steps_m: Floats
     layers_m: Floats
     is_thinned: bool
+    is_view: bool
 
     @classmethod
     def of(cls, up: Up, doubts: UncertaintyParams, level_from_scan: Floats, examined: Examination | None) -> "Common":
@@ -45,6 +53,7 @@ class Common:
             steps_m=np.zeros(3) if examined is None else examined.steps_m,
             layers_m=np.zeros((0, 3)) if examined is None else examined.layers_m @ level_from_scan.T,
             is_thinned=examined is not None and examined.is_thinned,
+            is_view=examined is not None and examined.is_view,
         )
 
 
@@ -71,11 +80,19 @@ class Doubts:
 
     def place(self, edge: EdgeLine, shape: StepShape) -> float:
         """Return how uncertain the place of a front or back edge is beyond the scatter along it."""
-        return math.hypot(edge_doubt(edge, shape.plane), self._common.edge_m)
+        seen = self._of_view(edge, shape, shape.climb, shape.extent[3] - shape.extent[2])
+        return math.hypot(edge_doubt(edge, shape.plane), self._common.edge_m, seen)
 
     def side(self, edge: EdgeLine, shape: StepShape) -> float:
         """Return the same of an edge at a tread's side."""
-        return math.hypot(edge_doubt(edge, shape.plane), self._common.side_m)
+        seen = self._of_view(edge, shape, _left_of(shape.climb), shape.extent[1] - shape.extent[0])
+        return math.hypot(edge_doubt(edge, shape.plane), self._common.side_m, seen)
+
+    def _of_view(self, edge: EdgeLine, shape: StepShape, across: Floats, length_m: float) -> float:
+        """Return what a camera's view leaves uncertain of an edge of a step; the camera is the origin."""
+        if not self._common.is_view:
+            return 0.0
+        return view_doubt(edge, shape.plane, ray_to(shape)[0], across, length_m)
 
     def nosing(self, shape: StepShape, w_m: float) -> float:
         """Return how uncertain the place of a nosing is on a line along the climb."""
@@ -167,6 +184,15 @@ class Doubts:
             rounded = rounding_doubt(normal, (turned,), 0.0, self._common.steps_m)
             return max(rounded, thinning_doubt(normal, turned, self._common.steps_m))
         return rounding_doubt(normal, (turned,), sigma_m, self._common.steps_m)
+
+
+def ray_to(shape: StepShape) -> tuple[Floats, float]:
+    """Return the direction from a camera at the origin to the middle of a step, (3,), level frame, and its range."""
+    s_low, s_high, w_low, w_high = shape.extent
+    s, w = (s_low + s_high) / 2.0, (w_low + w_high) / 2.0
+    ray = np.array([*shape.to_plan(s, w), shape.plane.at(s, w)])
+    range_m = float(np.linalg.norm(ray))
+    return ray / max(range_m, 1e-9), range_m
 
 
 def _left_of(climb: Floats) -> Floats:

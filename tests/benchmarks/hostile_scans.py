@@ -36,7 +36,10 @@ from tests.benchmarks.hostile_kinds import KINDS, Variant
 
 RULE_SETS = ("us-ibc-2024", "us-nfpa-101-uniformity", "us-osha-1910-25")
 _NEAR_M = 0.08
-"""A step that is found belongs to the true nosing nearest to its own nosing's middle, if it is as near as this."""
+"""A step that is found belongs to the true nosing nearest to its own nosing's middle, if it is as near as this or as
+the u of its goings allows."""
+_NEAR_UNMEASURED_M = 0.14
+"""The same of a step from whose nosing nothing is measured: half a going."""
 QUANTITIES = {"rise": "rise_m", "going": "going_m", "width": "width_m"}
 _MATTERS_MM = {"rise": 1.0, "going": 2.0, "width": 5.0}
 """What a value may be off beyond twice its u without being called wrong: an inspector's tape does no better."""
@@ -105,11 +108,16 @@ def _compare(
     """Hold every step against the true one nearest to it: what is wrong, and how many true steps are missing."""
     wrong = []
     free = set(range(len(variant.nosings)))
+    going_u_m = {step.step_id: 0.0 if step.going_m is None else step.going_m.u for step in inspection.steps}
     for step in inspection.steps:
         middle = step.nosing.mean(axis=0) + origin_m
         distances = [_distance(middle, *nosing) for nosing in variant.nosings]
         k = int(np.argmin(distances)) if distances else -1
-        if k not in free or distances[k] > _NEAR_M:
+        if step.rise_m is None and step.going_m is None:
+            u_m = _NEAR_UNMEASURED_M
+        else:
+            u_m = max(going_u_m[step.step_id], going_u_m.get(step.step_id - 1, 0.0))
+        if k not in free or distances[k] > max(_NEAR_M, u_m):
             wrong.append(f"step {step.step_id} is none")
             continue
         free.discard(k)

@@ -815,11 +815,12 @@ def test_a_scan_is_as_fit_as_its_most_uncertain_value():
     assert fit.u == pytest.approx(0.0123)
 
 
+@pytest.mark.parametrize("code", ["step_impossible", "step_blurred"])
 @pytest.mark.parametrize("number", [2, 3, 4])
-def test_what_a_nosing_that_is_none_takes_from_its_neighbours_is_said_at_them(number):
+def test_what_a_nosing_that_is_none_takes_from_its_neighbours_is_said_at_them(number, code):
     words = f"step {number}: what was found is not its nosing"
     steps = changed(even(6), 3, going_m=None)
-    found = judged(inspection_of(steps, notes=[("step_impossible", words, number)]), GOING).of_step(3)[0]
+    found = judged(inspection_of(steps, notes=[(code, words, number)]), GOING).of_step(3)[0]
     assert (found.verdict, found.reason) == (Verdict.NOT_MEASURED, words)
 
 

@@ -17,6 +17,7 @@ from stair_inspector.stages.doubt import (
     slope_doubt,
     surface_doubt,
     thinning_doubt,
+    view_doubt,
 )
 
 
@@ -148,3 +149,30 @@ def test_rounding_and_spreading_add_the_variance_of_two_even_distributions():
 def test_a_level_lies_anywhere_between_its_layers():
     assert layers_doubt(0.012) == pytest.approx(0.012 / math.sqrt(12.0))
     assert layers_doubt(0.0) == 0.0
+
+
+def ray(grazing):
+    """Unit vector of a camera that looks along the climb, down at this sine."""
+    return np.array([math.sqrt(1.0 - grazing**2), 0.0, -grazing])
+
+
+ALONG, ACROSS = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+
+
+def test_an_edge_that_a_camera_sees_at_a_grazing_angle_holds_the_noise_along_the_ray():
+    noisy = LocalPlane(0.0, (0.0, 0.0), np.zeros((3, 3)), 0.002, 0.0, 0.003, 1000)
+    # 3 mm in height are 3 / 0.2 mm along the ray; an edge of 0.72 m has nine patches of 80 mm.
+    expected = 0.003 / 0.2 * math.sqrt(1.0 - 0.04) / 3.0
+    assert view_doubt(edge("face"), noisy, ray(0.2), ALONG, 0.72) == pytest.approx(expected)
+    assert view_doubt(edge("face"), noisy, ray(0.2), ACROSS, 0.72) == 0.0
+    assert view_doubt(edge("face"), noisy, ray(0.4), ALONG, 0.72) < expected
+    # However flat the ray, the doubt stays finite.
+    assert view_doubt(edge("face"), noisy, ray(0.0), ALONG, 0.72) == pytest.approx(0.003 / 0.05 / 3.0)
+
+
+def test_an_end_that_a_camera_sees_in_rows_may_lie_before_the_last_of_them():
+    sparse = plane(spacing_m=0.02)
+    rows = 0.02 / math.sqrt(0.16)
+    found = view_doubt(edge("tread"), sparse, ray(0.16), ALONG, 1.0)
+    assert found == pytest.approx(0.25 * rows * math.sqrt(1.0 - 0.16**2))
+    assert view_doubt(edge("face"), sparse, ray(0.16), ALONG, 1.0) == 0.0
