@@ -695,10 +695,6 @@ def test_a_robots_map_of_entrance_stairs():
     # The folder's reading of the first, 172 mm, is from the floor half a metre before the stair; the floor rises
     # towards it, and at its foot lies 162 mm below the first tread (medians of the map's columns in the middle third).
     assert rises[:3] == pytest.approx((0.162, 0.169, 0.164), abs=0.01)
-    # As the folder reads the plateaus; the map has smeared the nosings, and u says how far.
-    goings = [step.going_m for step in inspection.steps if step.flight == 1 and step.going_m is not None]
-    assert len(goings) >= 3
-    assert all(abs(going.value - 0.3) <= going.u < 0.08 for going in goings)
 
 
 @pytest.mark.slow

@@ -532,7 +532,7 @@ class _Finder:
         elif up is not None:
             half, up = "below", replace(up, is_wall=True)
         extent = whole if half == "all" else find_extent_edge(*surface, span, guess[0], self.sampling, half, is_square)
-        if half == "all" and extent is not None:
+        if half == "all" and extent is not None and self.sampling.sigma_m > _NOISY_M:
             extent = self._without_hidden_faces(extent, surface, span, is_foot, is_square)
         face = down if half == "above" else up
         if self.is_barred:
