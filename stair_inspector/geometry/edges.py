@@ -1,4 +1,4 @@
-"""Where does a surface end? Straight edges of sampled surfaces, by integrals of density and by adjoining faces.
+"""Where does a surface end? Straight edges of sampled surfaces: robust lines, and edges by adjoining faces.
 
 Coordinates of an edge: ``out`` square to it, away from the surface; ``along`` parallel to it; ``offset`` the signed
 distance from the surface's plane. Metres throughout.
@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints, freeze
-from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, percentile_of_sorted
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 
 Half = Literal["all", "above", "below"]
 Side = Literal["above", "below"]
@@ -21,18 +21,6 @@ Side = Literal["above", "below"]
 _BIN_M = 0.08
 _BIN_SPACINGS = 8.0
 _FEWEST_BINS, _MOST_BINS = 2, 16
-_PER_COLUMN = 5.0
-"""Points that a column of a piece of the surface should hold, lest it be empty by chance."""
-_INNER_M = 0.06
-"""Strip behind the edge in which the density of the surface is taken."""
-_OUTER_M = 0.12
-"""How far outside the first guess an edge is looked for."""
-_EVENNESS = 0.6
-"""Scatter of counts on a scan thinned to a grid, as a share of a Poisson process's (measured on simulated scans)."""
-_LEAST_INNER = 6
-"""Pieces of an edge behind which fewer points lie are hidden by an obstacle and say nothing about it."""
-_HALF = 0.5
-_HOLE, _SHADOW = 0.6, 0.4
 _TUKEY = 4.685
 _ROUNDS = 20
 _FEWEST_FOR_SCATTER = 3.5
@@ -61,7 +49,7 @@ class EdgeLine:
     of the slope; ``support`` the share of the edge that was seen; ``purity`` the share of the points in which a face
     was looked for that lie on it. ``obstructed_m`` is the part of ``noise_m`` that is there because something stands at
     the edge, whose shadow it may be. ``is_wall`` says that the face goes up from the surface, as that of a wall does,
-    or of a thing that stands on it.
+    or of a thing that stands on it; ``is_counted`` that ``noise_m`` holds what the distance of the points leaves open.
     """
 
     middle_m: float
@@ -74,6 +62,7 @@ class EdgeLine:
     purity: float = 1.0
     obstructed_m: float = 0.0
     is_wall: bool = False
+    is_counted: bool = False
 
     @property
     def free_noise_m(self) -> float:
@@ -175,105 +164,6 @@ def _pairs(n: int) -> tuple[Ints, Ints]:
     return freeze(i), freeze(j)
 
 
-def find_extent_edge(
-    out: Floats,
-    along: Floats,
-    offset: Floats,
-    span: tuple[float, float],
-    guess_m: float,
-    sampling: Sampling,
-    half: Half,
-    is_square: bool = False,
-) -> EdgeLine | None:
-    """Find an edge from where the points of the surface end.
-
-    Parameters
-    ----------
-    out, along, offset : (n,)
-        Points near the surface's plane and near the edge; others do no harm but cost time.
-    span : (low, high)
-        Range along the edge.
-    guess_m : float
-        First guess of the edge, not farther outside than 60 mm.
-    sampling : Sampling
-        Noise and spacing of the surface.
-    half : {"all", "above", "below"}
-        Which side of the plane to use: where a face goes down from the edge its points lie below the plane, so that
-        only those above it belong to the surface for certain, and the reverse at the foot of a wall.
-    is_square : bool
-        Whether the edge is known to run along ``along``, without a slope.
-
-    Returns
-    -------
-    EdgeLine or None
-        None where too little of the edge was seen.
-
-    Notes
-    -----
-    In each piece along the edge: the number of points beyond a line well inside the surface, over the density of the
-    surface behind that line, is the distance of the edge from the line. Symmetric noise does not move it, since it only
-    carries points to and fro, and stray points matter by their number and not by how far they stray.
-    """
-    is_half = np.ones(len(out), dtype=np.bool_)
-    if half == "above":
-        is_half = offset > 0.0
-    elif half == "below":
-        is_half = offset < 0.0
-    low, high = span
-    n_bins = _count_bins(span, sampling)
-    inside = is_half & (along > low) & (along < high) & (out > guess_m - 2.0 * _INNER_M) & (out < guess_m + _OUTER_M)
-    out, piece = out[inside], ((along[inside] - low) / (high - low) * n_bins).astype(np.int64)
-    # Half of the surface's points are used where there is a face.
-    per_column = _PER_COLUMN * (1.0 if half == "all" else 2.0)
-    fine_m = max(0.002, sampling.spacing_m, per_column * sampling.spacing_m**2 * n_bins / (high - low))
-    fine_m = min(fine_m, _INNER_M / 2.0)
-    n_fine = int((2.0 * _INNER_M + _OUTER_M) / fine_m) + 1
-    column = ((out - guess_m + 2.0 * _INNER_M) / fine_m).astype(np.int64)
-    counts = np.bincount(piece * n_fine + column, minlength=n_bins * n_fine).reshape(n_bins, n_fine).astype(np.float64)
-    n_inner = max(2, int(_INNER_M / fine_m))
-    # The shadow of a rail runs all along the edge: told by all pieces together, where chance evens out.
-    profile = counts.sum(axis=0)
-    is_whole = profile >= _SHADOW * percentile_of_sorted(np.sort(profile[: 2 * n_inner]), 75.0)
-    is_whole[:n_inner] |= not is_whole[:n_inner].any()
-    density = counts[:, :n_inner][:, is_whole[:n_inner]].mean(axis=1)
-    if not density.any():
-        return None
-    # Strips of two and three columns: one alone may be empty by chance.
-    smooth = counts.copy()
-    smooth[:, 1:-1] = (counts[:, :-2] + counts[:, 1:-1] + counts[:, 2:]) / 3.0
-    is_on = smooth >= _HALF * density[:, None]
-    is_on[:, :n_inner] = True
-    # The outermost pair of filled columns: a hole nearer by, or the shadow of a rail, is not the edge.
-    pairs = is_on[:, :-1] & is_on[:, 1:]
-    coarse = n_fine - np.argmax(pairs[:, ::-1], axis=1)
-    edges, places, sigmas = [], [], []
-    reach = max(2.0 * fine_m, 3.0 * sampling.sigma_m)
-    n_reach = math.ceil(reach / fine_m)
-    for k in range(n_bins):
-        # An edge that is never reached, or lies where the first guess would have to be far too large, is none.
-        if density[k] * n_inner < _LEAST_INNER or coarse[k] >= n_fine - 1:
-            continue
-        inner_stop = max(2, int(coarse[k]) - n_reach)
-        inner = slice(max(0, inner_stop - n_inner), inner_stop)
-        rho = float(counts[k, inner][is_whole[inner]].mean()) if is_whole[inner].any() else 0.0
-        if rho < _HOLE * density[k]:
-            # A hole lies there; farther inside the surface is whole.
-            rho = float(density[k])
-        outer = counts[k, inner_stop : min(n_fine, int(coarse[k]) + n_reach + 1)]
-        edges.append(guess_m - 2.0 * _INNER_M + fine_m * (inner_stop + float(outer.sum()) / rho))
-        places.append(low + (k + 0.5) / n_bins * (high - low))
-        # Counts scatter like those of a Poisson process, but for the evenness of a grid of rays or voxels. Expected
-        # ones, from inside: by the counts at the edge itself, pieces that hold few by chance would seem the surer.
-        beyond = n_reach * float(density[k])
-        sigmas.append(_EVENNESS * fine_m * math.sqrt(max(beyond, 1.0) * (1.0 + n_reach / n_inner)) / float(density[k]))
-    line = fit_line_robust(np.array(places), np.array(edges), np.array(sigmas), is_square) if len(edges) >= 2 else None
-    if line is None:
-        return None
-    return EdgeLine(
-        line.middle, line.slope, line.x_middle, line.middle_noise, line.slope_noise, len(edges) / n_bins, "tread"
-    )
-
-
 def find_face_edge(
     out: Floats,
     along: Floats,
@@ -330,7 +220,7 @@ def find_face_edge(
     sign = np.concatenate([np.ones(np.count_nonzero(is_face)), -np.ones(np.count_nonzero(is_mirror))])
     if sign.sum() < _LEAST_FACE_POINTS:
         return None
-    n_bins = _count_bins(span, sampling)
+    n_bins = count_bins(span, sampling)
     width = max(2.5 * sampling.sigma_m, 0.004)
     start = _mode(values, sign, width, reach_m)
     slope = 0.0
@@ -378,7 +268,7 @@ def find_face_edge(
     )
 
 
-def _count_bins(span: tuple[float, float], sampling: Sampling) -> int:
+def count_bins(span: tuple[float, float], sampling: Sampling) -> int:
     """Return into how many pieces an edge is cut."""
     length_m = span[1] - span[0]
     return int(np.clip(length_m / max(_BIN_M, _BIN_SPACINGS * sampling.spacing_m), _FEWEST_BINS, _MOST_BINS))

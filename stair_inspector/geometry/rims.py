@@ -69,4 +69,7 @@ def find_rim_edge(
         return None
     # All pieces share what noise does to the outermost points, and that a narrow bar outside may hold too few of them.
     noise_m = math.hypot(line.middle_noise, sigma_m, float(np.median(steps_m)))
-    return EdgeLine(line.middle, line.slope, line.x_middle, noise_m, line.slope_noise, len(edges) / n_bins, "tread")
+    support = len(edges) / n_bins
+    return EdgeLine(
+        line.middle, line.slope, line.x_middle, noise_m, line.slope_noise, support, "tread", is_counted=True
+    )

@@ -25,9 +25,9 @@ _PEAK = 1.5
 """So many times as many points as just above and just below are the top of something."""
 _CHANCE = 2.0
 """The same in standard deviations of a count: of few points, some lie at one height by chance."""
-_NOT_LEVEL = 0.25
+_NOT_LEVEL, _LITTLE_NOT_LEVEL = 0.25, 0.05
 """Share of the points at one height that do not seem level from which they may be bars: on whole treads only the rim's
-are none."""
+are none. Where gaps are narrow fewer slant too, and only what is seen of the bars' sides tells."""
 _BAND_M = 0.008
 _BAR_M = 0.15
 """A piece that is wider is no bar: two of them side by side are two surfaces."""
@@ -39,6 +39,10 @@ _BESIDE = 0.5
 """Share of the shorter of two bars along which they must lie beside each other: end to end they are two treads'."""
 _WHOLE_SHARE = 0.6
 """A surface that covers most of the points at its height is not in pieces, whatever noise frays it."""
+_SIDE_NEAR_M, _SIDE_NEAR_SIGMAS, _SIDE_FAR_M, _SIDE_PARTS = 0.005, 4.0, 0.02, 3
+"""Between these depths below a surface, the first in its noise too, the sides of bars show, in each of some parts."""
+_SIDE_SHARE = 0.06
+"""So many points on them, as a share of those on the tops above, are no noise."""
 _SWALLOWED = 0.5
 _TRIM_SIGMA, _LEAST_SIGMA_M, _ROUNDS = 2.5, 0.0005, 3
 _SAME_HEIGHT_M = 0.012
@@ -73,18 +77,23 @@ def join_bars(
     if peaks is None:
         return horizontal, patches
     found = []
-    for rows in _points_at_peaks(heights.coordinates_m, peaks):
-        found += _treads_of(heights, rows, patches, least_area_m2)
+    for rows, not_level in zip(_points_at_peaks(heights.coordinates_m, peaks), peaks.not_level, strict=True):
+        if len(rows) >= _FEWEST_IN_PEAK:
+            found += _treads_of(heights, rows, patches, least_area_m2, bool(not_level < _NOT_LEVEL))
     return _with_treads(heights, horizontal, is_level, patches, found) if found else (horizontal, patches)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Peaks:
-    """Columns of plan that hold a peak: group, column and row (3, p) and height (p,); corner of the columns (2,)."""
+    """Columns of plan that hold a peak: group, column and row (3, p) and height (p,); corner of the columns (2,).
+
+    ``not_level`` (g,) is the share of each group's points that do not seem level.
+    """
 
     places: Ints
     height_m: Floats
     low: Floats
+    not_level: Floats
 
 
 def _find_peaks(coordinates: Floats, is_level: Bools) -> _Peaks | None:
@@ -119,12 +128,12 @@ def _find_peaks(coordinates: Floats, is_level: Bools) -> _Peaks | None:
     weights = np.stack([every[first], every[first + 1]]).astype(np.float64)
     height = low[2] + _BIN_M * (bin_ - 4 + 0.5 + weights[1] / weights.sum(axis=0))
     not_level = (slanting[first] + slanting[first + 1]).astype(np.float64)
-    places, height = _grouped(places, height, not_level, weights.sum(axis=0))
-    return _Peaks(places, height, low[:2]) if len(height) else None
+    places, height, shares = _grouped(places, height, not_level, weights.sum(axis=0))
+    return _Peaks(places, height, low[:2], shares) if len(height) else None
 
 
-def _grouped(places: Ints, height_m: Floats, not_level: Floats, counts: Floats) -> tuple[Ints, Floats]:
-    """Return the peaks of groups, columns that touch and hold peaks of about one height, many of whose points slant."""
+def _grouped(places: Ints, height_m: Floats, not_level: Floats, counts: Floats) -> tuple[Ints, Floats, Floats]:
+    """Return the peaks of groups, columns that touch and hold peaks of about one height, some of whose points slant."""
     order = np.argsort(height_m, kind="stable")
     places, height_m, not_level, counts = places[:, order], height_m[order], not_level[order], counts[order]
     # Heights far enough apart are never one surface's; within a layer a column has one peak.
@@ -135,11 +144,11 @@ def _grouped(places: Ints, height_m: Floats, not_level: Floats, counts: Floats) 
     height_m, not_level, counts = height_m[kept], not_level[kept], counts[kept]
     labels = cluster_cells(keys, height_m / (2.0 * _BIN_M), np.ones(len(height_m), dtype=np.int64), 2)
     shares = np.bincount(labels + 1, not_level) / np.maximum(np.bincount(labels + 1, counts), 1.0)
-    is_barred = shares >= _NOT_LEVEL
-    is_barred[0] = False
-    number = np.cumsum(is_barred) - 1
-    is_kept = is_barred[labels + 1]
-    return np.stack([number[labels + 1], keys[1], keys[2]])[:, is_kept], height_m[is_kept]
+    may_be_barred = shares >= _LITTLE_NOT_LEVEL
+    may_be_barred[0] = False
+    number = np.cumsum(may_be_barred) - 1
+    is_kept = may_be_barred[labels + 1]
+    return np.stack([number[labels + 1], keys[1], keys[2]])[:, is_kept], height_m[is_kept], shares[may_be_barred]
 
 
 def _points_at_peaks(coordinates: Floats, peaks: _Peaks) -> list[Ints]:
@@ -166,14 +175,18 @@ def _points_at_peaks(coordinates: Floats, peaks: _Peaks) -> list[Ints]:
         inside = np.flatnonzero(is_in)
         off = np.abs(near[2, inside] - table[column[inside], row[inside]])
         found.append(start + inside[off <= _BAND_M])
-    return [rows for rows in found if len(rows)]
+    return found
 
 
-def _treads_of(heights: HeightOrder, rows: Ints, patches: Patches, least_area_m2: float) -> list[Ints]:
+def _treads_of(
+    heights: HeightOrder, rows: Ints, patches: Patches, least_area_m2: float, is_mostly_level: bool
+) -> list[Ints]:
     """Return the points of each tread that the points of one height form and that no surface covers as a whole."""
     cell_m = patches.cell_m
     points = heights.coordinates_m[:, rows]
-    if _is_covered(points[:2], float(np.median(points[2])), patches):
+    is_covered = is_mostly_level or _is_covered(points[:2], float(np.median(points[2])), patches)
+    # On the rim of a whole tread hang its own faces; what hangs far inside is seen through gaps.
+    if is_covered and not _has_sides_within(heights.coordinates_m, rows, cell_m):
         return []
     rows = _on_plane(heights.coordinates_m, rows)
     if len(rows) < _FEWEST_IN_PEAK:
@@ -198,9 +211,42 @@ def _treads_of(heights: HeightOrder, rows: Ints, patches: Patches, least_area_m2
         mine = rows[is_own[of]]
         height_m = float(np.median(heights.coordinates_m[2, mine]))
         is_large = np.count_nonzero(is_own) * cell_m**2 >= least_area_m2 and _sides(places_m)[1] >= 0.1
-        if is_large and not _is_covered(heights.coordinates_m[:2, mine], height_m, patches):
+        if is_large and not (
+            _is_covered(heights.coordinates_m[:2, mine], height_m, patches)
+            and not _has_sides_within(heights.coordinates_m, mine, cell_m)
+        ):
             result.append(mine)
     return result
+
+
+def _has_sides_within(coordinates: Floats, rows: Ints, cell_m: float) -> bool:
+    """Return whether the sides of bars hang below a surface, given by some of its points, away from its rim.
+
+    Sides go down evenly from the tops; the underside of a thin slab, which may be seen from below, lies at one depth.
+    """
+    points = coordinates[:, rows[:: -(-len(rows) // _MOST_TO_FIT)]]
+    slope, centre, sigma_m = fit_trimmed(points)
+    near_m, far_m = max(_SIDE_NEAR_M, _SIDE_NEAR_SIGMAS * sigma_m), _SIDE_FAR_M
+    if near_m >= far_m / 2.0:
+        return False
+    side_m = 2.0 * cell_m
+    low = points[:2].min(axis=1) - 2.0 * side_m
+    shape = tuple(int(size) + 3 for size in (points[:2].max(axis=1) - low) / side_m)
+    column, row = ((points[:2] - low[:, None]) / side_m).astype(np.int64)
+    is_on = np.zeros(shape, dtype=np.bool_)
+    is_on[column, row] = True
+    is_inside = is_on.copy()
+    for i, j in ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
+        is_inside[1:-1, 1:-1] &= is_on[1 + i : shape[0] - 1 + i, 1 + j : shape[1] - 1 + j]
+    start, stop = np.searchsorted(coordinates[2], (float(points[2].min()) - far_m, float(points[2].max()) + near_m))
+    near = coordinates[:, start:stop]
+    column, row = ((near[:2] - low[:, None]) / side_m).astype(np.int64)
+    is_in = (column > 0) & (column < shape[0] - 1) & (row > 0) & (row < shape[1] - 1)
+    near = near[:, is_in][:, is_inside[column[is_in], row[is_in]]]
+    off = near[2] - centre[2] - slope @ (near[:2] - centre[:2, None])
+    hanging, _ = np.histogram(-off, np.linspace(near_m, far_m, _SIDE_PARTS + 1))
+    n_on = int(np.count_nonzero(np.abs(off) <= near_m))
+    return bool(_SIDE_PARTS * int(hanging.min()) >= _SIDE_SHARE * max(n_on, 1))
 
 
 def _on_plane(coordinates: Floats, rows: Ints) -> Ints:

@@ -23,6 +23,10 @@ _TREAD_EDGE_M = 0.0001
 _TREAD_EDGE_SPACING = 0.25
 _TREAD_EDGE_SIGMA = 0.10
 """The same for an edge known from the extent of a tread only: the last row of points may or may not be there."""
+_COUNTED_EDGE_SPACING, _COUNTED_EDGE_SIGMA = 0.05, 0.2
+"""The same where the points of that row were counted."""
+_WALL_JOINT_M = 0.0005
+"""A joint between a surface and the wall beside it is not seen."""
 _SLOPE_SIGMA, _SLOPE_SHARE, _SLOPE_MOST_M = 0.65, 0.1, 0.0012
 """Doubt about the fall of a tread over its depth, as a share of the noise of single points, the smaller one beyond some
 millimetres: where two stations, or two passes, see the front and the back of a tread, their difference is a slope."""
@@ -53,11 +57,13 @@ def expanded(value: float, **parts: float) -> Measured:
 
 def edge_doubt(edge: EdgeLine, plane: LocalPlane) -> float:
     """Return what the definition of an edge leaves open, metres: beyond the scatter along it."""
+    least_m, of_spacing, of_sigma = _TREAD_EDGE_M, _TREAD_EDGE_SPACING, _TREAD_EDGE_SIGMA
     if edge.source == "face":
-        parts = (_FACE_EDGE_M, _FACE_EDGE_SPACING * plane.spacing_m, _FACE_EDGE_SIGMA * plane.sigma_m)
-    else:
-        parts = (_TREAD_EDGE_M, _TREAD_EDGE_SPACING * plane.spacing_m, _TREAD_EDGE_SIGMA * plane.sigma_m)
-    return math.hypot(*parts)
+        least_m, of_spacing, of_sigma = _FACE_EDGE_M, _FACE_EDGE_SPACING, _FACE_EDGE_SIGMA
+    elif edge.is_counted:
+        of_spacing, of_sigma = _COUNTED_EDGE_SPACING, _COUNTED_EDGE_SIGMA
+    joint_m = _WALL_JOINT_M if edge.is_wall else 0.0
+    return math.hypot(least_m, of_spacing * plane.spacing_m, of_sigma * plane.sigma_m, joint_m)
 
 
 def view_doubt(edge: EdgeLine, plane: LocalPlane, ray: Floats, across: Floats, length_m: float) -> float:

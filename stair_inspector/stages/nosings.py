@@ -9,7 +9,8 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_extent_edge, find_face_edge
+from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_face_edge
+from stair_inspector.geometry.extents import find_extent_edge
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
 from stair_inspector.geometry.rims import find_rim_edge
 from stair_inspector.model import Arc, Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
@@ -78,6 +79,8 @@ _FACE_AGREES_M, _AGREE_SIGMAS = 0.006, 4.0
 _FACE_INSIDE_M, _FACE_ROWS = 0.004, 2.0
 _BAR_M, _BEYOND_SHARE = 0.06, 0.1
 """A bar's usual width at most, and the share of points beyond a face from which the face is an inner bar's."""
+_BEHIND_SHARE = 0.3
+"""Density of points behind a face, as a share of that in it, from which it is none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -323,18 +326,19 @@ def _shape(
         nosing_noise=(0.0, 0.0, 0.0),
     )
     shape = replace(shape, line_range=(shape.right.at(start), shape.left.at(start)))
-    shape = _with_nosing_heights(shape, near, band_m, is_stepped)
+    shape = _with_nosing_heights(shape, near, band_m, is_stepped, surface.is_barred)
     shape = _with_back(shape, finder, above, rise_above_m)
     return replace(shape, coverage=_coverage(shape, near, band_m))
 
 
-def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float, is_stepped: bool) -> StepShape:
+def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float, is_stepped: bool, is_barred: bool) -> StepShape:
     """Measure how high the surface lies at its nosing above its plane, on the left, in the centre and on the right.
 
     A plane carried on to the edge magnifies what is wrong with its slope: the strip behind the nosing, over its whole
     length, says how high the plane has to be there. Noisy points take a deeper strip, so that errors of pose, which a
     few centimetres have in common, even out. A third of the strip that lies otherwise than the whole by more than
-    chance, as where feet have worn it, has its own height.
+    chance, as where feet have worn it, has its own height. In the strip of a tread of bars their sides show too: there
+    the plane is all there is.
     """
     low, high = shape.line_range
     plane = shape.plane
@@ -348,7 +352,7 @@ def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float, is_steppe
     by_plane = math.hypot(plane.noise_at(shape.front.middle_m, (low + high) / 2.0), plane.misfit_m)
     whole_m, whole_noise_m = _strip_height(r, plane, is_stepped)
     # A strip far off what is usual is spoilt by the edge, not part of the tread: the plane is all there is.
-    if abs(whole_m) > _LEAST_ODD_M + _STRIP_SIGMAS * whole_noise_m:
+    if is_barred or abs(whole_m) > _LEAST_ODD_M + _STRIP_SIGMAS * whole_noise_m:
         whole_m, whole_noise_m = 0.0, math.inf
     offsets, noises = [], []
     for start, stop in ((2.0 / 3.0, 1.0), (1.0 / 3.0, 2.0 / 3.0), (0.0, 1.0 / 3.0)):
@@ -356,6 +360,7 @@ def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float, is_steppe
         own_m, own_noise_m = _strip_height(mine, plane, is_stepped)
         chance_m = _STRIP_SIGMAS * math.hypot(own_noise_m, _STRIP_POSE_SIGMA * plane.sigma_m)
         is_other = chance_m < abs(own_m - whole_m) <= max(_MOST_WORN_M, _STRIP_SIGMAS * plane.misfit_m)
+        is_other = is_other and not is_barred
         offset_m, noise_m = (own_m, own_noise_m) if is_other else (whole_m, whole_noise_m)
         offsets.append(offset_m)
         # Between the strip and the nosing itself the surface may depart from its plane some more.
@@ -525,6 +530,8 @@ class _Finder:
             guesses += (((guess_m, 0.0), abs(guess[0] - guess_m) + reach),)
         points = out, along, offset
         down = self._face(points, span, guesses, (-near_m, -far_m), is_square)
+        if down is not None and is_foot and _hangs_behind(down, *points, (near_m, far_m)):
+            down = None
         up = self._face(points, span, guesses, (near_m, far_m), is_square) if is_foot else None
         half: Half = "all"
         if down is not None and (up is None or down.support >= up.support):
@@ -538,7 +545,8 @@ class _Finder:
         if self.is_barred:
             extent = find_rim_edge(out[flat], along[flat], span, guess_m, self.sampling.sigma_m, is_square)
             # Every bar has faces, along the edge and square to it: one is the edge's where the outermost bar ends.
-            is_edge = face is not None and face.purity >= _LEAST_PURITY
+            # At a side the rim is as exact as need be, where the ends of many bars seem to be a face.
+            is_edge = face is not None and face.purity >= _LEAST_PURITY and not is_foot
             face = face if face is not None and is_edge and not _goes_on_beyond(face, out[flat], along[flat]) else None
         chosen = self._choose(extent, face, middle)
         if chosen is not None and chosen.source == "tread" and self._is_obstructed(out, offset, chosen.at(middle)):
@@ -624,6 +632,20 @@ class _Finder:
         # points, a little above the plane where another station stood higher, may seem to be the tread's last.
         inside = _FACE_INSIDE_M + _FACE_ROWS * self.sampling.spacing_m + _BAND_SIGMA * noise
         return face if -inside <= apart <= doubt else extent
+
+
+def _hangs_behind(face: EdgeLine, out: Floats, along: Floats, offset: Floats, heights: tuple[float, float]) -> bool:
+    """Return whether as much hangs below a surface behind a face as in it: bars end there, and it is no face.
+
+    Below a whole tread there is nothing, or its underside.
+    """
+    ahead = (out - face.middle_m - face.slope * (along - face.along_m))[
+        (-offset >= heights[0]) & (-offset <= heights[1])
+    ]
+    n_behind = np.count_nonzero((ahead < -_FACE_REACH_M) & (ahead >= -_BAR_M))
+    density = n_behind / (_BAR_M - _FACE_REACH_M)
+    n_on = np.count_nonzero(np.abs(ahead) <= _FACE_REACH_M / 2.0)
+    return bool(density > _BEHIND_SHARE * n_on / _FACE_REACH_M)
 
 
 def _goes_on_beyond(face: EdgeLine, out: Floats, along: Floats) -> bool:

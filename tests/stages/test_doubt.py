@@ -1,6 +1,7 @@
 """How uncertainties are put together, and that a doubt grows with what causes it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -57,6 +58,17 @@ def test_the_doubt_of_an_edge_grows_with_noise_and_spacing_and_never_vanishes(so
 def test_an_edge_that_only_a_tread_shows_is_doubted_more_than_one_that_a_face_shows(sigma_m, spacing_m):
     here = plane(sigma_m, spacing_m)
     assert edge_doubt(edge("tread"), here) > edge_doubt(edge("face"), here)
+
+
+def test_an_edge_whose_last_points_were_counted_is_surer_the_sparser_they_lie():
+    here = plane(0.001, 0.02)
+    counted = replace(edge("tread"), is_counted=True)
+    assert edge_doubt(edge("face"), here) < edge_doubt(counted, here) < 0.3 * edge_doubt(edge("tread"), here)
+
+
+def test_a_joint_beside_a_wall_may_hide_half_a_millimetre():
+    wall = edge_doubt(replace(edge("face"), is_wall=True), plane())
+    assert wall == pytest.approx(math.hypot(0.0005, edge_doubt(edge("face"), plane())))
 
 
 def test_a_surface_is_surer_than_its_points_by_far():
