@@ -25,8 +25,11 @@ _LEAST_INNER = 6
 _HALF = 0.5
 _HOLE, _SHADOW = 0.6, 0.4
 _BLUR_SIGMAS, _SHARP_SPACINGS, _SHARP_SIGMAS = 1.5, 0.35, 2.0
-_SHARP_ROUNDS, _SHARP_SETTLED_M, _FEWEST_BEHIND, _STRAYS = 12, 0.00005, 12, 3
+_SHARP_ROUNDS, _SHARP_SETTLED_M, _FEWEST_BEHIND, _STRAYS = 12, 0.00005, 24, 3
 """The last strip of a surface: behind what noise blurs, a part of the points' distance deep or twice the noise."""
+_TURN_SIGMAS = 3.0
+_SEARCHED = 1.25
+"""Where the strip ends is found by the same points, by whose chance it is drawn to thin places."""
 
 
 def find_extent_edge(
@@ -136,6 +139,9 @@ def _sharpened_line(
     middle = sum(span) / 2.0
     length_m = span[1] - span[0]
     line = first
+    if not is_square and first.support < 1.0:
+        # Of an edge that is hidden in part the first line may lie anywhere, and what is near it is not the edge's.
+        return first
     if not is_square:
         halves = []
         for is_half in (along < middle, along >= middle):
@@ -144,11 +150,13 @@ def _sharpened_line(
         (low_m, low_noise_m), (high_m, high_noise_m) = halves
         if low_noise_m is not None and high_noise_m is not None:
             turned = (high_m - low_m) / (length_m / 2.0)
-            at_middle = first.at(middle) + (low_m + high_m) / 2.0
             slope_noise = math.hypot(low_noise_m, high_noise_m) / (length_m / 2.0)
-            line = dataclasses.replace(
-                first, middle_m=at_middle, along_m=middle, slope=first.slope + turned, slope_noise=slope_noise
-            )
+            # Farther than chance turns the first line something else lies at one end.
+            if abs(turned) <= _TURN_SIGMAS * math.hypot(first.slope_noise, slope_noise):
+                at_middle = first.at(middle) + (low_m + high_m) / 2.0
+                line = dataclasses.replace(
+                    first, middle_m=at_middle, along_m=middle, slope=first.slope + turned, slope_noise=slope_noise
+                )
     moved_m, noise_m = _sharpened(
         out - line.middle_m - line.slope * (along - line.along_m), sampling, line.slope_noise * length_m
     )
@@ -195,4 +203,4 @@ def _sharpened(beyond: Floats, sampling: Sampling, turned_m: float) -> tuple[flo
     if abs(moved_m) > 2.0 * blur_m + sampling.spacing_m:
         return 0.0, None
     scatter = max(float(n_beyond), 1.0) * (1.0 + n_beyond / n_behind)
-    return moved_m, depth_m / n_behind * math.sqrt(scatter)
+    return moved_m, _SEARCHED * depth_m / n_behind * math.sqrt(scatter)

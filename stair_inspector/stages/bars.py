@@ -185,11 +185,11 @@ def _treads_of(
     cell_m = patches.cell_m
     points = heights.coordinates_m[:, rows]
     is_covered = is_mostly_level or _is_covered(points[:2], float(np.median(points[2])), patches)
-    # On the rim of a whole tread hang its own faces; what hangs far inside is seen through gaps.
-    if is_covered and not _has_sides_within(heights.coordinates_m, rows, cell_m):
-        return []
     rows = _on_plane(heights.coordinates_m, rows)
     if len(rows) < _FEWEST_IN_PEAK:
+        return []
+    # On the rim of a whole tread hang its own faces; what hangs far inside is seen through gaps.
+    if is_covered and not _has_sides_within(heights.coordinates_m, rows, cell_m):
         return []
     plan = heights.coordinates_m[:2, rows]
     low = plan.min(axis=1)
