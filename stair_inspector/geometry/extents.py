@@ -27,7 +27,7 @@ _HOLE, _SHADOW = 0.6, 0.4
 _BLUR_SIGMAS, _SHARP_SPACINGS, _SHARP_SIGMAS = 1.5, 0.35, 2.0
 _SHARP_ROUNDS, _SHARP_SETTLED_M, _FEWEST_BEHIND, _STRAYS = 12, 0.00005, 24, 3
 """The last strip of a surface: behind what noise blurs, a part of the points' distance deep or twice the noise."""
-_TURN_SIGMAS = 3.0
+_TURN_SIGMAS, _MOVED_SPACINGS = 3.0, 2.0
 _SEARCHED = 1.25
 """Where the strip ends is found by the same points, by whose chance it is drawn to thin places."""
 
@@ -200,7 +200,7 @@ def _sharpened(beyond: Floats, sampling: Sampling, turned_m: float) -> tuple[flo
         previous_m, moved_m = moved_m, start + depth_m * n_beyond / n_behind
         if abs(moved_m - previous_m) < _SHARP_SETTLED_M:
             break
-    if abs(moved_m) > 2.0 * blur_m + sampling.spacing_m:
+    if abs(moved_m) > 2.0 * blur_m + _MOVED_SPACINGS * sampling.spacing_m:
         return 0.0, None
     scatter = max(float(n_beyond), 1.0) * (1.0 + n_beyond / n_behind)
     return moved_m, _SEARCHED * depth_m / n_behind * math.sqrt(scatter)

@@ -13,6 +13,7 @@ from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_face_e
 from stair_inspector.geometry.extents import find_extent_edge
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
 from stair_inspector.geometry.rims import find_rim_edge
+from stair_inspector.geometry.slots import find_slots
 from stair_inspector.model import Arc, Chain, Chains, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.arcs import (
@@ -300,8 +301,9 @@ def _shape(
         across = across_arc(arc, origin, climb, near.s, near.w)
         # The riser above turns against this nosing: on the inner side of the curve it stands nearer.
         left_span, right_span = (_inset(span_beside(arc, origin, climb, (start, s_high), w)) for w in (w_high, w_low))
-    to_left = finder.edge(across, near.s, left_span, w_high, is_square=is_straight)
-    to_right = finder.edge(-across, near.s, right_span, -w_low, is_square=is_straight)
+    on_left, on_right = (math.inf, -math.inf) if arc is not None else _slots_beside(near, side_span, extent, finder)
+    to_left = finder.edge(across, near.s, left_span, w_high, is_square=is_straight, stop_m=on_left)
+    to_right = finder.edge(-across, near.s, right_span, -w_low, is_square=is_straight, stop_m=-on_right)
     left_side = to_left or _guessed(w_high, left_span)
     right_side = _guessed(w_low, right_span) if to_right is None else to_right.flipped()
     if arc is not None:
@@ -490,6 +492,7 @@ class _Finder:
         guess_m: float,
         is_foot: bool = True,
         is_square: bool = False,
+        stop_m: float = math.inf,
     ) -> EdgeLine | None:
         """Find an edge by the surface's extent, then by the face that goes down or up from it if one is seen.
 
@@ -505,12 +508,15 @@ class _Finder:
             Whether a face may go up from the edge, as a wall does.
         is_square : bool
             Whether the edge is known to run exactly along ``along``.
+        stop_m : float
+            From where on what lies outside belongs to another surface.
         """
         if span[1] - span[0] <= 4.0 * self.sampling.spacing_m:
             return None
         offset = self.near.r
         # Only what lies near this edge: the rest was gathered for the others.
-        close = np.flatnonzero((np.abs(out - guess_m) <= _BESIDE_M) & (along > span[0]) & (along < span[1]))
+        is_close = (out >= guess_m - _BESIDE_M) & (out <= min(guess_m + _BESIDE_M, stop_m))
+        close = np.flatnonzero(is_close & (along > span[0]) & (along < span[1]))
         out, along, offset = out[close], along[close], offset[close]
         offset = offset - self._step_at(out, offset, guess_m)
         flat = np.abs(offset) <= self.band_m
@@ -646,6 +652,24 @@ def _hangs_behind(face: EdgeLine, out: Floats, along: Floats, offset: Floats, he
     density = n_behind / (_BAR_M - _FACE_REACH_M)
     n_on = np.count_nonzero(np.abs(ahead) <= _FACE_REACH_M / 2.0)
     return bool(density > _BEHIND_SHARE * n_on / _FACE_REACH_M)
+
+
+def _slots_beside(
+    near: _Near, span: tuple[float, float], extent: tuple[float, float, float, float], finder: _Finder
+) -> tuple[float, float]:
+    """Return where on the left and on the right of a step a slot has its middle, behind which lies another flight.
+
+    Infinite where there is none.
+    """
+    is_on = (np.abs(near.r) <= finder.band_m) & (near.s >= span[0]) & (near.s <= span[1])
+    on_left, on_right = math.inf, -math.inf
+    if is_on.any():
+        for start, stop in find_slots(near.w[is_on], finder.sampling.spacing_m, finder.is_barred).slots:
+            # The rim of what was seen of a step may lie a cell inside its side.
+            middle = (start + stop) / 2.0
+            on_left = min(on_left, middle) if start >= extent[3] - FINE_M else on_left
+            on_right = max(on_right, middle) if stop <= extent[2] + FINE_M else on_right
+    return on_left, on_right
 
 
 def _goes_on_beyond(face: EdgeLine, out: Floats, along: Floats) -> bool:

@@ -8,12 +8,12 @@ pieces were seen; where none does, there are two flights.
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.slots import Sides, find_slots
 from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, Patches, Surface
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.bars import surface_of_rows
@@ -32,13 +32,8 @@ _WHOLE_TREADS = 2
 _BESIDE_CELLS = 2.0
 """Cells on the rim of a surface are partly filled: so far a piece may lie outside of where it should."""
 _FEWEST_CELLS = 4
-_SLOT_M, _SLOT_SPACINGS = 0.03, 3.0
-"""A slot is wider than both, the second in distances of neighbouring points."""
-_STRIP_M, _EMPTY = 0.005, 0.05
-"""Strips of a tread along the climb in which points are counted, and the share of the usual number that is none."""
 _SIDE_M = 0.15
 """What lies on either side of a slot between two flights is wider than a bar."""
-_LEAST_ROWS = 20
 
 
 def find_flights(
@@ -76,32 +71,9 @@ def find_flights(
     return patches, without_floor_strips(heights, patches, chains, forced)
 
 
-@dataclass(frozen=True, slots=True)
-class _Sides:
-    """Between which places across the climb a tread lies, and the slots that part it from its front to its back."""
-
-    low: float
-    high: float
-    slots: tuple[tuple[float, float], ...] = ()
-
-    def reaches_over(self, low: float, high: float) -> bool:
-        """Return whether the tread lies on both sides of a range, and in it without a slot."""
-        is_over = self.low <= low and high <= self.high
-        return is_over and not any(start < high and low < stop for start, stop in self.slots)
-
-
-def _sides_of(horizontal: Horizontal, surface: Surface, left: Floats) -> _Sides:
+def _sides_of(horizontal: Horizontal, surface: Surface, left: Floats) -> Sides:
     across = left @ horizontal.coordinates_m[:2].take(surface.rows, axis=1)
-    if len(across) < _LEAST_ROWS:
-        return _Sides(float(across.min()), float(across.max()))
-    low, high = (float(value) for value in np.percentile(across, [0.5, 99.5]))
-    counts = np.bincount(((across[(across >= low) & (across <= high)] - low) / _STRIP_M).astype(np.int64))
-    is_filled = counts > _EMPTY * np.median(counts)
-    filled = np.flatnonzero(is_filled)
-    ends = low + _STRIP_M * np.stack([filled[:-1] + 1.0, filled[1:]])
-    widest_m = max(_SLOT_M, _SLOT_SPACINGS * math.sqrt(surface.area_m2 / len(across)))
-    is_slot = ends[1] - ends[0] >= widest_m
-    return _Sides(low, high, tuple((float(start), float(stop)) for start, stop in ends[:, is_slot].T))
+    return find_slots(across, math.sqrt(surface.area_m2 / len(across)), surface.is_barred)
 
 
 def _parted(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Forced) -> Patches:
@@ -114,7 +86,7 @@ def _parted(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Fo
         left = np.array([-climb[1], climb[0]])
         sides = [_sides_of(horizontal, surfaces[number], left) for number in chain.steps]
         for k, number in enumerate(chain.steps):
-            if surfaces[number].is_barred or number in forced.kinds:
+            if number in forced.kinds:
                 continue
             # A landing at the upper end may lie before both flights.
             others = [other for j, other in enumerate(sides[:-1]) if j != k]
@@ -125,12 +97,13 @@ def _parted(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Fo
             is_left = left @ horizontal.coordinates_m[:2].take(rows, axis=1) > sum(slot) / 2.0
             # The larger part keeps the number.
             is_less = is_left if 2 * np.count_nonzero(is_left) < len(rows) else ~is_left
-            surfaces[number] = surface_of_rows(horizontal, rows[~is_less], level_id, patches.cell_m)
-            surfaces.append(surface_of_rows(horizontal, rows[is_less], level_id, patches.cell_m))
+            is_barred = surfaces[number].is_barred
+            surfaces[number] = surface_of_rows(horizontal, rows[~is_less], level_id, patches.cell_m, is_barred)
+            surfaces.append(surface_of_rows(horizontal, rows[is_less], level_id, patches.cell_m, is_barred))
     return patches if len(surfaces) == len(patches.surfaces) else Patches(tuple(surfaces), patches.cell_m)
 
 
-def _is_between_flights(slot: tuple[float, float], sides: _Sides, others: Sequence[_Sides]) -> bool:
+def _is_between_flights(slot: tuple[float, float], sides: Sides, others: Sequence[Sides]) -> bool:
     """Return whether a slot parts two treads, each wider than a bar, and no other tread reaches over it."""
     low = max((stop for _, stop in sides.slots if stop <= slot[0]), default=sides.low)
     high = min((start for start, _ in sides.slots if start >= slot[1]), default=sides.high)

@@ -1,10 +1,15 @@
 """A tread of which something hides the middle is one tread; what belongs to another staircase is another's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from stair_inspector.params import OverrulesParams, Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.simulate.scanner import scan as scan_building
+from tests.benchmarks import hostile_buildings as buildings
+from tests.benchmarks.hostile_kinds import TLS
 from tests.synthetic import Stair, make_scan, rotation
 
 STAIR = Stair(n_steps=4, risers=True, spacing=0.014, noise=0.0005, floor_depth=0.8, seed=4)
@@ -83,4 +88,23 @@ def test_two_flights_side_by_side_stay_two_where_treads_are_in_pieces(apart):
     first, second = without(first, 3, 0.0, 0.6), without(second, 2, 0.3, 1.0)
     inspection = found(np.concatenate([first, second + np.array([0.0, STAIR.width + apart, 0.0])]))
     assert [flight.n_risers for flight in inspection.flights] == [4, 4]
-    assert all(step.width_m.value < STAIR.width + 0.02 for step in inspection.steps)
+    widths = [step.width_m for step in inspection.steps]
+    # Of either a tread is hidden in part, the others are as wide as they are beside each other.
+    assert sorted(abs(width.value - STAIR.width) <= width.u < 0.015 for width in widths) == [False] * 2 + [True] * 6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("apart", [0.05, 0.1])
+@pytest.mark.parametrize(("bar", "gap", "is_along"), [(0.03, 0.03, False), (0.06, 0.012, True)])
+def test_two_flights_of_bars_side_by_side_stay_two(apart, bar, gap, is_along):
+    stair = buildings.Plain(n_risers=4)
+    built = buildings.of_bars(stair, bar, gap, is_along).building
+    points = [scan_building(built, replace(TLS, seed=seed)).points for seed in (1, 2)]
+    shift = np.array([0.0, stair.width_m + apart, 0.0])
+    middle = shift[1] / 2.0
+    both = np.concatenate(
+        [points[0][points[0][:, 1] < middle], (points[1] + shift)[points[1][:, 1] >= middle - shift[1]]]
+    )
+    inspection = found(both)
+    assert [flight.n_risers for flight in inspection.flights] == [4, 4]
+    assert all(abs(step.width_m.value - stair.width_m) <= step.width_m.u < 0.02 for step in inspection.steps)
