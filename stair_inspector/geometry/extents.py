@@ -27,6 +27,7 @@ _HOLE, _SHADOW = 0.6, 0.4
 _BLUR_SIGMAS, _SHARP_SPACINGS, _SHARP_SIGMAS = 1.5, 0.35, 2.0
 _SHARP_ROUNDS, _SHARP_SETTLED_M, _FEWEST_BEHIND, _STRAYS = 12, 0.00005, 24, 3
 """The last strip of a surface: behind what noise blurs, a part of the points' distance deep or twice the noise."""
+_FRAYED_SIGMAS, _THIN_SIGMAS, _THIN_SHARE = 2.5, 3.0, 0.7
 _TURN_SIGMAS, _MOVED_SPACINGS = 3.0, 2.0
 _SEARCHED = 1.25
 """Where the strip ends is found by the same points, by whose chance it is drawn to thin places."""
@@ -162,7 +163,25 @@ def _sharpened_line(
     )
     if noise_m is None:
         return first
+    beyond_m = line.at(middle) + moved_m - first.at(middle)
+    beyond = out - first.middle_m - first.slope * (along - first.along_m)
+    if beyond_m > _FRAYED_SIGMAS * first.noise_m or _is_thin(beyond, beyond_m, sampling):
+        # The last strip is thinner than the surface, as of one station alone where two do not fit: the edge is between.
+        return dataclasses.replace(first, noise_m=math.hypot(first.noise_m, beyond_m / 2.0))
     return dataclasses.replace(line, middle_m=line.middle_m + moved_m, noise_m=noise_m, is_counted=True)
+
+
+def _is_thin(beyond: Floats, ends_m: float, sampling: Sampling) -> bool:
+    """Return whether the strip from as far inside a first line as the surface ends beyond it is thinner than the rest.
+
+    Noise thins the last strip too, unless it is wider.
+    """
+    if 2.0 * ends_m <= _THIN_SIGMAS * sampling.sigma_m:
+        return False
+    n_strip = np.count_nonzero((beyond > -ends_m) & (beyond <= ends_m))
+    n_inner = np.count_nonzero((beyond <= -ends_m) & (beyond > -ends_m - _INNER_M))
+    expected = n_inner * 2.0 * ends_m / _INNER_M
+    return bool(n_strip < _THIN_SHARE * expected and expected - n_strip > _FRAYED_SIGMAS * math.sqrt(expected))
 
 
 def _sharpened(beyond: Floats, sampling: Sampling, turned_m: float) -> tuple[float, float | None]:

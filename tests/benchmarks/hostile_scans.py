@@ -45,6 +45,8 @@ _MATTERS_MM = {"rise": 1.0, "going": 2.0, "width": 5.0}
 """What a value may be off beyond twice its u without being called wrong: an inspector's tape does no better."""
 _USEFUL_MM = {"rise": 5.0, "going": 10.0}
 """Median u up to which a scan's values are of use."""
+_LARGE_U_MM = 20.0
+"""A going whose u is larger says little: how many are is printed beside how many lie within it."""
 _MOST_BEYOND = 0.1
 _TOLD = (
     "tread_missing",
@@ -61,45 +63,49 @@ _TOLD = (
 
 @dataclass
 class Tally:
-    """How many scans of a kind ended how, and the values' errors as shares of their u."""
+    """How many scans of a kind ended how, the values' errors as shares of their u, and the u of the goings in mm."""
 
     n_scans: int = 0
     outcomes: dict[str, int] = field(
         default_factory=lambda: dict.fromkeys(("right", "honest", "withheld", "wrong", "false verdict"), 0)
     )
     ratios: dict[str, list[float]] = field(default_factory=lambda: {name: [] for name in QUANTITIES})
+    going_u_mm: list[float] = field(default_factory=list)
 
 
-def examine_variant(variant: Variant, folder: Path) -> tuple[str, list[str], dict[str, list[float]]]:
-    """Read, measure and judge one scan; the outcome, what is wrong in words, and errors over u by quantity."""
+def examine_variant(variant: Variant, folder: Path, tally: Tally) -> tuple[str, list[str]]:
+    """Read, measure and judge one scan; the outcome and what is wrong in words. Errors over u go into the tally."""
     path = folder / "scan.ply"
     path.write_bytes(ply_bytes(variant.points))
-    ratios: dict[str, list[float]] = {name: [] for name in QUANTITIES}
     try:
         scan = read_scan(path)
         inspection = inspect(scan, find_preset(variant.preset).params)
     except (ReadError, CannotMeasure) as error:
-        return "withheld", [str(error)], ratios
+        return "withheld", [str(error)]
     if inspection.questions:
-        return "withheld", [found.message for found in inspection.questions], ratios
+        return "withheld", [found.message for found in inspection.questions]
     if not inspection.steps:
         reason = next((note.message for note in inspection.notes if note.code == "no_staircase"), "")
-        return ("withheld" if variant.nosings else "right"), [reason], ratios
+        return ("withheld" if variant.nosings else "right"), [reason]
+    ratios: dict[str, list[float]] = {name: [] for name in QUANTITIES}
     wrong, n_missed = _compare(variant, inspection, scan.origin_m, ratios)
+    for name, values in ratios.items():
+        tally.ratios[name] += values
+    tally.going_u_mm += [1000.0 * step.going_m.u for step in inspection.steps if step.going_m is not None]
     false = _false_verdicts(variant, inspection)
     if false:
-        return "false verdict", [*wrong, *false], ratios
+        return "false verdict", [*wrong, *false]
     is_told = any(note.code in _TOLD for note in inspection.notes) or any(
         found.level == "doubt" for found in inspection.examination
     )
     if n_missed and not is_told:
         wrong.append(f"{n_missed} of {len(variant.nosings)} treads missing without a word")
     if wrong:
-        return "wrong", wrong, ratios
+        return "wrong", wrong
     beyond = np.mean([ratio > 1.0 for values in ratios.values() for ratio in values] or [1.0])
     is_useful = all(_median_u_mm(inspection, name) <= most for name, most in _USEFUL_MM.items())
     is_right = is_useful and beyond <= _MOST_BEYOND and (n_missed == 0 or (variant.is_partly_seen and is_told))
-    return ("right" if is_right else "honest"), [], ratios
+    return ("right" if is_right else "honest"), []
 
 
 def _compare(
@@ -169,11 +175,9 @@ def run(kinds: str, seeds: Sequence[int], verbose: bool) -> dict[str, Tally]:
             tally = tallies[kind] = Tally()
             for variant in (variant for seed in seeds for variant in make(seed)):
                 began = time.perf_counter()
-                outcome, words, ratios = examine_variant(variant, Path(folder))
+                outcome, words = examine_variant(variant, Path(folder), tally)
                 tally.n_scans += 1
                 tally.outcomes[outcome] += 1
-                for name, values in ratios.items():
-                    tally.ratios[name] += values
                 if verbose:
                     seconds = time.perf_counter() - began
                     print(
@@ -185,14 +189,25 @@ def run(kinds: str, seeds: Sequence[int], verbose: bool) -> dict[str, Tally]:
 def table(tallies: dict[str, Tally]) -> Iterator[str]:
     """The result as a table in Markdown."""
     outcomes = list(Tally().outcomes)
-    yield "| kind | scans | " + " | ".join(outcomes) + " | within u: " + ", ".join(QUANTITIES) + " |"
-    yield "|---" * (3 + len(outcomes)) + "|"
+    yield (
+        "| kind | scans | "
+        + " | ".join(outcomes)
+        + " | within u: "
+        + ", ".join(QUANTITIES)
+        + " | goings with u > 20 mm |"
+    )
+    yield "|---" * (4 + len(outcomes)) + "|"
     for kind, tally in tallies.items():
         shares = [
             f"{100.0 * np.mean(np.array(values) <= 1.0):.0f} %" if values else "-" for values in tally.ratios.values()
         ]
         counts = [str(tally.outcomes[name]) for name in outcomes]
-        yield f"| {kind} | {tally.n_scans} | " + " | ".join(counts) + f" | {', '.join(shares)} |"
+        large = _share_of_large(tally.going_u_mm)
+        yield f"| {kind} | {tally.n_scans} | " + " | ".join(counts) + f" | {', '.join(shares)} | {large} |"
+
+
+def _share_of_large(going_u_mm: Sequence[float]) -> str:
+    return f"{100.0 * np.mean(np.array(going_u_mm) > _LARGE_U_MM):.0f} %" if going_u_mm else "-"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -209,6 +224,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     totals = {name: sum(tally.outcomes[name] for tally in tallies.values()) for name in Tally().outcomes}
     n_scans = sum(tally.n_scans for tally in tallies.values())
     print("\n" + ", ".join(f"{name} {count} of {n_scans}" for name, count in totals.items()))
+    every = [u_mm for tally in tallies.values() for u_mm in tally.going_u_mm]
+    within = [ratio <= 1.0 for tally in tallies.values() for ratio in tally.ratios["going"]]
+    if every and within:
+        share = f"{100.0 * np.mean(within):.0f} %"
+        print(f"goings with u > 20 mm: {_share_of_large(every)} of {len(every)}; within u: {share}")
     return 1 if totals["wrong"] or totals["false verdict"] else 0
 
 

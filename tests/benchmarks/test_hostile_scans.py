@@ -14,6 +14,8 @@ MENDED = (
     "sparse",
     "stations apart",
     "float32 far away",
+    "treads of bars",
+    "things on the treads",
 )
 SEED = 1
 

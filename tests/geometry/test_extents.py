@@ -117,3 +117,15 @@ def test_half_a_surface_ignores_the_face_that_meets_it(half, heights):
     assert abs(alone.at(0.5)) <= 3.0 * alone.noise_m + doubt(sigma=0.003)
     # All of the points together put the edge outside: there are more of them than belong to the surface.
     assert extent(together, sigma=0.003).at(0.5) > alone.at(0.5) + 0.003
+
+
+@pytest.mark.parametrize("apart", [0.015, 0.02])
+def test_of_two_stations_that_lie_apart_the_edge_is_between_their_edges(apart):
+    for seed in range(8):
+        here, there = surface(seed, 0.0005, n_m2=10_000), surface(seed + 50, 0.0005, stop=apart, n_m2=10_000)
+        edge = extent(
+            np.concatenate([here, there], axis=1), sigma=0.0005, spacing=0.007, span=(0.3, 0.6), is_square=True
+        )
+        assert not edge.is_counted
+        assert abs(edge.middle_m - apart / 2.0) <= 2.0 * edge.noise_m
+        assert 0.0 < edge.middle_m < apart

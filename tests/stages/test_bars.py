@@ -126,3 +126,34 @@ def test_the_rim_of_bars_along_it_lies_within_its_noise(seed):
 
 def test_a_rim_without_points_is_none():
     assert find_rim_edge(np.zeros(5), np.linspace(0.1, 0.2, 5), (0.0, 0.3), 0.0, 0.001) is None
+
+
+def bars_across(bar, gap, n_bars, seed, width=1.0, rise=0.17, going=0.28, density=12_000):
+    """Four treads of bars that run across the climb, 30 mm high, with the fronts of all bars, and a floor."""
+    rng = np.random.default_rng(seed)
+    parts = [rng.uniform([-0.9, -0.3, 0.0], [1.2, width + 0.3, 1e-6], (12_000, 3))]
+    for k in range(1, 5):
+        for low in (k - 1) * going + np.arange(n_bars) * (bar + gap):
+            n_top, n_side = round(bar * width * density), round(0.03 * width * density)
+            parts.append(rng.uniform([low, 0.0, k * rise], [low + bar, width, k * rise + 1e-6], (n_top, 3)))
+            parts.append(rng.uniform([low, 0.0, k * rise - 0.03], [low + 1e-6, width, k * rise], (n_side, 3)))
+    points = np.concatenate(parts)
+    return points + rng.normal(0.0, 0.0007, points.shape)
+
+
+@pytest.mark.parametrize(("bar", "gap", "n_bars"), [(0.06, 0.0133, 4), (0.025, 0.026, 6)])
+def test_fronts_of_bars_across_the_climb_move_neither_rises_nor_sides(bar, gap, n_bars):
+    inspection = inspect(make_scan(bars_across(bar, gap, n_bars, 2)), PARAMS)
+    assert len(inspection.steps) == 4
+    for step in inspection.steps:
+        assert abs(step.width_m.value - 1.0) <= step.width_m.u < 0.015
+        assert abs(step.rise_m.value - 0.17) < 0.0005
+        assert step.rise_m.u < 0.002
+
+
+def test_the_underside_of_a_thin_tread_is_no_side_of_bars():
+    points, _ = Stair(n_steps=4, spacing=0.01, noise=0.0005).sample()
+    treads = points[points[:, 2] > 0.1]
+    (horizontal, patches), (wider, same) = joined(np.concatenate([points, treads - [0.0, 0.0, 0.012]]))
+    assert wider is horizontal
+    assert same is patches
