@@ -55,8 +55,9 @@ _MOST_SPREAD_RAYS = 0.1
 _FACES_COS = math.cos(math.radians(12.0))
 _NAME_DEG = 2.0
 _BESIDE_LEVEL_M = 0.05
-_NEARLY_ALL, _AS_LARGE, _NEXT_SHARE = 0.9, 0.6, 0.05
-"""Under a landing lies a floor about as large; over a floor that is upside down nothing like it, but treads near it."""
+_NEARLY_ALL, _SEEN_THROUGH, _PLAN_CELL_M = 0.9, 0.25, 0.1
+_ON_RHYTHM, _MOSTLY_ON, _FEWEST_TREADS = 0.15, 0.7, 2
+"""Level points that lie so near, in rises, to the rhythm's heights are of treads; by chance three in ten do."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -193,17 +194,17 @@ def question_of_side(scan: Thinned, up: Floats, height_m: float) -> Observation 
         Where that surface is along it.
     """
     heights = project(scan.points.T, up) - height_m
-    level = heights[np.abs(project(scan.normals.T, up)) >= _FACES_COS]
+    is_level = np.abs(project(scan.normals.T, up)) >= _FACES_COS
     n_below, n_above = (int(np.count_nonzero(way * heights > _BESIDE_LEVEL_M)) for way in (-1.0, 1.0))
     if n_below < _NEARLY_ALL * (n_below + n_above):
         return None
-    n_at = int(np.count_nonzero(np.abs(level) <= _BESIDE_LEVEL_M))
-    # A ceiling leaves headroom.
-    n_next = int(np.count_nonzero((level < -_BESIDE_LEVEL_M) & (level >= -priors.HEADROOM_M / 2.0)))
-    if n_next < _NEXT_SHARE * n_at:
-        return None
-    others = np.floor(level[level < -_BEYOND_M] / (2.0 * _BESIDE_LEVEL_M)).astype(np.int64)
-    if len(others) and np.bincount(others - others.min()).max() > _AS_LARGE * n_at:
+    # A ceiling or a landing leaves headroom over treads; a floor is seen through them.
+    is_at = is_level & (np.abs(heights) <= _BESIDE_LEVEL_M)
+    is_next = is_level & (heights < -_BESIDE_LEVEL_M) & (heights >= -priors.HEADROOM_M / 2.0)
+    side = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
+    axes = np.stack([side, np.cross(up, side)])
+    cells = np.floor(scan.points @ axes.T / _PLAN_CELL_M).astype(np.int64) @ np.array([1, 1 << 31])
+    if not is_next.any() or float(np.isin(cells[is_next], cells[is_at]).mean()) < _SEEN_THROUGH:
         return None
     names = name_of(up), name_of(-up)
     return Observation(
@@ -387,15 +388,26 @@ def _surroundings(scan: Thinned, lattice: Lattice) -> float:
     n_floor = np.count_nonzero(is_level & (np.abs(height - low) <= 0.3) & (ahead < first))
     n_landing = np.count_nonzero(is_level & (np.abs(height - high) <= 0.3) & (ahead > last))
     beyond = _BEYOND_M / lattice.rise_m
-    # What lies farther along the climb is more of the same stairs, whichever side of them is up.
-    above = height - ahead
-    n_over = np.count_nonzero((height > high + beyond) & (above > 0.0))
-    n_under = np.count_nonzero((height < low - beyond) & (above < -1.0))
+    over, under = height > high + beyond, height < low - beyond
+    n_over = 0 if _is_on_rhythm(height[over & (ahead > last) & is_level]) else np.count_nonzero(over)
+    n_under = 0 if _is_on_rhythm(height[under & (ahead < first) & is_level]) else np.count_nonzero(under)
     # A landing may be the larger one, and a scan may begin at the foot of its stair.
     weight = math.log((n_floor + _FLOOR_START) / (n_landing + _FLOOR_START)) / 2.0
     weight += math.log((n_over + _FLOOR_START) / (n_under + _FLOOR_START))
     most = _SURROUNDINGS_MOST if abs(lattice.up[2]) >= _LEVELLED_COS else 2.0 * _SURROUNDINGS_MOST
     return float(np.clip(weight, -most, most))
+
+
+def _is_on_rhythm(heights: Floats) -> bool:
+    """Return whether level points, heights in rises, are treads of a flight that goes on: that tells no side.
+
+    On a landing between two flights the climb goes on by the same rises.
+    """
+    steps = np.rint(heights)
+    is_on = np.abs(heights - steps) <= _ON_RHYTHM
+    counts = np.unique(steps[is_on], return_counts=True)[1]
+    n_treads = int(np.count_nonzero(counts >= _FEWEST_RISER_POINTS))
+    return n_treads >= _FEWEST_TREADS and float(is_on.mean()) >= _MOSTLY_ON
 
 
 def _floor_for(scan: Thinned, lattice: Lattice) -> float:

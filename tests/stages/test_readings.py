@@ -166,17 +166,22 @@ def test_the_lower_flight_does_not_speak_for_the_side_below_the_upper_one():
 
 def test_treads_without_risers_over_which_the_floor_would_lie_are_asked_about():
     stair = Stair(n_steps=7, rise=0.175, going=0.28, spacing=0.02, noise=0.001, floor_depth=2.0)
-    points, normals = stair.sample()
-    (question,) = up_of(make_scan(points @ DOWN.T, normals @ DOWN.T)).observations
+    points, _ = stair.sample()
+    # The floor is seen through the open risers too.
+    under = Stair(n_steps=0, spacing=0.02, noise=0.001, floor_depth=7 * 0.28, seed=4).sample()[0] + [7 * 0.28, 0.0, 0.0]
+    seen = np.concatenate([points, under])
+
+    def asked(points):
+        level = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+        return up_of(make_scan(points, level)).observations
+
+    (question,) = asked(seen @ DOWN.T)
     assert (question.code, question.level, question.cure) == ("up_unsure", "question", "--up=-z or --up=z")
-    assert up_of(make_scan(points, normals)).observations == ()
-    # A ceiling leaves headroom, which a floor does not.
-    ceiling = np.tile(points[normals[:, 2] > 0.9][:5000] * [1.0, 1.0, 0.0] + [0.0, 0.0, 2.6], (2, 1))
-    ceiling[:, :2] += np.random.default_rng(1).normal(0.0, 0.01, (len(ceiling), 2))
-    under = make_scan(
-        np.concatenate([points, ceiling]), np.concatenate([normals, np.tile([0.0, 0.0, 1.0], (len(ceiling), 1))])
-    )
-    assert up_of(under).observations == ()
+    assert asked(seen) == ()
+    # A landing at the top leaves headroom over the treads, and so does a ceiling.
+    assert asked(points @ DOWN.T) == ()
+    high = np.array([0.0, 0.0, 3.4])
+    assert asked(np.concatenate([points, under + high, under + high - [2.0, 0.0, 0.0]])) == ()
 
 
 def test_a_single_riser_is_z_up():
