@@ -53,6 +53,7 @@ _TOLD = (
     "treads_missing",
     "goes_on",
     "end_unseen",
+    "scan_ends",
     "foot_unclear",
     "foot_tall",
     "settings_do_not_fit",
