@@ -54,6 +54,7 @@ _TOLD = (
     "goes_on",
     "end_unseen",
     "scan_ends",
+    "step_blurred",
     "foot_unclear",
     "foot_tall",
     "settings_do_not_fit",
