@@ -545,8 +545,8 @@ class _Finder:
         elif up is not None:
             half, up = "below", replace(up, is_wall=True)
         extent = whole if half == "all" else find_extent_edge(*surface, span, guess[0], self.sampling, half, is_square)
-        if half == "all" and extent is not None and self.sampling.sigma_m > _NOISY_M:
-            extent = self._without_hidden_faces(extent, surface, span, is_foot, is_square)
+        if half == "all" and extent is not None and not is_foot and self.sampling.sigma_m > _NOISY_M:
+            extent = self._without_hidden_face(extent, surface, span, is_square)
         face = down if half == "above" else up
         if self.is_barred:
             extent = find_rim_edge(out[flat], along[flat], span, guess_m, self.sampling.sigma_m, is_square)
@@ -560,30 +560,22 @@ class _Finder:
             chosen = replace(chosen, noise_m=noise_m, support=0.0, obstructed_m=_OBSTRUCTED_M)
         return chosen
 
-    def _without_hidden_faces(
-        self,
-        whole: EdgeLine,
-        surface: tuple[Floats, Floats, Floats],
-        span: tuple[float, float],
-        is_foot: bool,
-        is_square: bool,
+    def _without_hidden_face(
+        self, whole: EdgeLine, surface: tuple[Floats, Floats, Floats], span: tuple[float, float], is_square: bool
     ) -> EdgeLine:
-        """Return where a surface ends at whose edge no face was found, without the points of one that noise hides.
+        """Return where a surface ends at whose front no face was found, without the points of one that noise hides.
 
-        Of a noisy surface points are taken so far above and below that a riser's or a wall's are among them; they lie
-        on one side of the plane. Where one side alone ends much farther in, there is a face, and the edge is as
-        uncertain as what it added.
+        Of a noisy surface points are taken so far below that a riser's are among them. Where those above the plane end
+        much farther in, there is a face, and the edge is as uncertain as what it added.
         """
         middle = sum(span) / 2.0
-        halves: tuple[Half, ...] = ("above", "below") if is_foot else ("above",)
-        for half in halves:
-            edge = find_extent_edge(*surface, span, whole.at(middle), self.sampling, half, is_square)
-            if edge is None:
-                continue
-            added_m = whole.at(middle) - edge.at(middle)
-            if added_m > max(_FACE_INSIDE_M, _BAND_SIGMA * math.hypot(whole.noise_m, edge.noise_m)):
-                return replace(edge, noise_m=math.hypot(edge.noise_m, added_m / 2.0))
-        return whole
+        edge = find_extent_edge(*surface, span, whole.at(middle), self.sampling, "above", is_square)
+        if edge is None:
+            return whole
+        added_m = whole.at(middle) - edge.at(middle)
+        if added_m <= max(_FACE_INSIDE_M, _BAND_SIGMA * math.hypot(whole.noise_m, edge.noise_m)):
+            return whole
+        return replace(edge, noise_m=math.hypot(edge.noise_m, added_m / 2.0))
 
     def _face(
         self,
