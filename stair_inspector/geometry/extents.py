@@ -27,6 +27,7 @@ _HOLE, _SHADOW = 0.6, 0.4
 _BLUR_SIGMAS, _SHARP_SPACINGS, _SHARP_SIGMAS = 1.5, 0.35, 2.0
 _SHARP_ROUNDS, _SHARP_SETTLED_M, _FEWEST_BEHIND, _STRAYS = 12, 0.00005, 24, 3
 """The last strip of a surface: behind what noise blurs, a part of the points' distance deep or twice the noise."""
+_MOST_BLUR = 0.5
 _FRAYED_SIGMAS, _THIN_SIGMAS, _THIN_SHARE = 2.5, 3.0, 0.7
 _TURN_SIGMAS, _MOVED_SPACINGS = 3.0, 2.0
 _SEARCHED = 1.25
@@ -140,6 +141,9 @@ def _sharpened_line(
     middle = sum(span) / 2.0
     length_m = span[1] - span[0]
     line = first
+    if sampling.sigma_m > _MOST_BLUR * sampling.spacing_m:
+        # What noise blurs so far is known best by the whole strip behind it, and cells of the thinning matter less.
+        return first
     if not is_square and first.support < 1.0:
         # Of an edge that is hidden in part the first line may lie anywhere, and what is near it is not the edge's.
         return first
