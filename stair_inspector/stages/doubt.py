@@ -51,8 +51,9 @@ def expanded(value: float, **parts: float) -> Measured:
     ----------
     .. [1] JCGM 100:2008 (GUM), 5.1.2 for the sum of squares and 6.2 for the factor k.
     """
-    named = tuple((name, K * part) for name, part in parts.items() if part > 0.0)
-    return Measured(value, math.sqrt(sum(part * part for _, part in named)), named)
+    # Numbers of numpy would be written by their type's name.
+    named = tuple((name, K * float(part)) for name, part in parts.items() if part > 0.0)
+    return Measured(float(value), math.sqrt(sum(part * part for _, part in named)), named)
 
 
 def edge_doubt(edge: EdgeLine, plane: LocalPlane) -> float:

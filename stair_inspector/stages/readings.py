@@ -33,6 +33,8 @@ _WALL_REACH_M, _BEYOND_M = 0.15, 0.3
 _RISER_REACH_M = 0.06
 _FEWEST_RISER_POINTS = 10
 _BESIDE_M, _THIN_M = 0.3, 0.008
+_CLOSED = 0.1
+"""Points in the middle of a riser's height, of those on a tread beside it: a third where all is seen."""
 _NOSING_M, _NOSINGS_MOST = (0.01, 0.05), 6.0
 """Treads that reach past their risers by this are nosings."""
 _SURROUNDINGS_MOST = 2.6
@@ -127,11 +129,14 @@ def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bo
         return []
     upright = lattices[0], lattices[0].turned()
     # The side of the air is one side of the faces, in every reading.
-    air = float(np.clip(sum(_air_above(scan, lattice) for lattice in upright), -_AIR_MOST, _AIR_MOST))
+    airs = [_air_above(scan, lattice) for lattice in upright]
+    air = float(np.clip(sum(airs), -_AIR_MOST, _AIR_MOST))
     readings = []
-    for each in upright:
+    for each, own_air in zip(upright, airs, strict=True):
         # What is told by nosings and floors is told of these treads and risers, not of those that have changed places.
-        side, floors = air + _nosings(scan, each) + _surroundings(scan, each), _floor_for(scan, each)
+        nosings = _nosings(scan, each)
+        side = _limited(air, own_air, nosings, each) + nosings + _surroundings(scan, each)
+        floors = _floor_for(scan, each)
         for lattice, way in ((each, 1.0), (each.flipped(), -1.0)):
             weight = _as_built(lattice, max_rise_m) + (way * side + floors) / 2.0
             weight += _as_camera(scan, lattice) if is_camera else _as_file(lattice.up)
@@ -333,6 +338,18 @@ def _span(lattice: Lattice) -> tuple[int, int, int, int]:
     return min(ahead), max(ahead), min(upwards), max(upwards)
 
 
+def _limited(air: float, own_air: float, nosings: float, lattice: Lattice) -> float:
+    """Return the weight of the air, which turns a levelled file over only as far as nosings say so too.
+
+    Then what would be walls if treads and risers had changed places says nothing. Of a long stair, or of one that
+    turns, the rhythm may be that of its upper part, below which its sides go on.
+    """
+    if abs(lattice.up[2]) < _LEVELLED_COS:
+        return air
+    most = _SURROUNDINGS_MOST + 2.0 * max(0.0, nosings * math.copysign(1.0, air))
+    return float(np.clip(own_air, -most, most))
+
+
 def _air_above(scan: Thinned, lattice: Lattice) -> float:
     """Weigh the walls beside the stair that go on above its highest tread against those below its lowest.
 
@@ -346,10 +363,23 @@ def _air_above(scan: Thinned, lattice: Lattice) -> float:
     is_wall = np.abs(project(scan.normals.T, side)) >= _FACES_COS
     is_wall &= np.abs(project(shifted, side)) <= lattice.width_m / 2.0 + _WALL_REACH_M
     is_wall &= (ahead >= first) & (ahead <= last)
+    # Where a stair turns, risers face as walls do; none is as tall.
+    is_wall[is_wall] = _is_tall(ahead[is_wall] * lattice.going_m, project(shifted[:, is_wall], side), height[is_wall])
     n_over = np.count_nonzero(is_wall & (height > high * lattice.rise_m + _BEYOND_M))
     n_under = np.count_nonzero(is_wall & (height < low * lattice.rise_m - _BEYOND_M))
     weight = math.log((n_over + _AIR_START) / (n_under + _AIR_START))
     return float(np.clip(_AIR_FACTOR * weight, -_AIR_MOST, _AIR_MOST))
+
+
+def _is_tall(ahead_m: Floats, aside_m: Floats, height_m: Floats) -> Bools:
+    """Return which points of upright faces lie in a place of the plan where those reach higher than a riser."""
+    cells = np.floor(np.stack([ahead_m, aside_m]) / _PLAN_CELL_M).astype(np.int64)
+    _, cell_of = np.unique(cells[0] * 2**32 + cells[1], return_inverse=True)
+    lowest, highest = np.full(len(cell_of), np.inf), np.full(len(cell_of), -np.inf)
+    np.minimum.at(lowest, cell_of, height_m)
+    np.maximum.at(highest, cell_of, height_m)
+    is_tall: Bools = (highest - lowest)[cell_of] > priors.MOST_RISE_M + _PLAN_CELL_M
+    return is_tall
 
 
 def _nosings(scan: Thinned, lattice: Lattice) -> float:
@@ -370,7 +400,8 @@ def _nosings(scan: Thinned, lattice: Lattice) -> float:
         for level, way in ((0.0, -1.0), (-1.0, 1.0)):
             # Normals beside an edge lean, so heights say which points belong to the tread.
             tread = height[is_level & (np.abs(share - level) <= 0.2) & (np.abs(past) <= _BESIDE_M)]
-            if len(tread) < _FEWEST_RISER_POINTS:
+            # Between open risers little is seen, and that is of something else.
+            if len(tread) < _FEWEST_RISER_POINTS or len(riser) < _CLOSED * len(tread):
                 continue
             is_on = np.abs(height - float(np.median(tread))) <= _THIN_M
             n_past = int(np.count_nonzero(is_on & (way * past >= _NOSING_M[0]) & (way * past <= _NOSING_M[1])))

@@ -249,16 +249,16 @@ class _Measurer:
             foot = shape.foot
             if foot is None:
                 return None
-            return tuple(line.height_m - foot.at(line.s_m, line.w_m) for line in self._lines[0])
+            return tuple(float(line.height_m - foot.at(line.s_m, line.w_m)) for line in self._lines[0])
         if self._arc is not None:
             pairs = zip(self._lines[k - 1], self._lines[k], strict=True)
-            return tuple(line.height_m - below.height_m for below, line in pairs)
+            return tuple(float(line.height_m - below.height_m) for below, line in pairs)
         result = []
         lower = self._shapes[k - 1]
         for line, offset in zip(self._lines[k], lower.nosing_offsets, strict=True):
             # Back along the line of climb of the step below, on which its going is measured.
             s, w = self._crossing(line.plan, self._climbs[k - 1], k - 1)
-            result.append(line.height_m - lower.plane.at(s, w) - offset)
+            result.append(float(line.height_m - lower.plane.at(s, w) - offset))
         return tuple(result)
 
     def _rise(
