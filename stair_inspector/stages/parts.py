@@ -1,7 +1,7 @@
 """What is a step's uncertainty made of? The doubts about its level and its edges, from what the scan is like."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -81,7 +81,9 @@ class Doubts:
     def place(self, edge: EdgeLine, shape: StepShape) -> float:
         """Return how uncertain the place of a front or back edge is beyond the scatter along it."""
         seen = self._of_view(edge, shape, shape.climb, shape.extent[3] - shape.extent[2])
-        return math.hypot(edge_doubt(edge, shape.plane), self._common.edge_m, seen)
+        # At a back the nosing above casts its shadow, and a count of points ends where that does.
+        plain = replace(edge, is_counted=False)
+        return math.hypot(edge_doubt(plain, shape.plane), self._common.edge_m, seen)
 
     def side(self, edge: EdgeLine, shape: StepShape) -> float:
         """Return the same of an edge at a tread's side."""

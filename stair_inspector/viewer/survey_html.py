@@ -291,7 +291,8 @@ def _cell(measured: Measured | None, unit: Shown, why: str, moves: str = "", wor
         )
     if moves:
         # Something is in doubt that u does not hold.
-        value = f'<span data-testid="unsettled" title="{text(moves)}" style="color:{_WORST}">≈</span>{value}'
+        style = f"border-bottom:2px dotted {_WORST}"
+        value = f'<span data-testid="unsettled" title="{text(moves)}" style="{style}">{value}</span>'
     return f'<td title="{text(hint)}" style="{_CELL}">{value}{small}±{u}</span></td>'
 
 

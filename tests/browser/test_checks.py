@@ -14,7 +14,9 @@ from tests.browser.test_layout import TABS
 from tests.browser.test_layout import check as check_layout
 from tests.browser.test_workspace import LARGE, button, open_folder, row_input, upload
 
-SHARED, UK = "kr-16-housing-shared", "uk-adk-2013-general-access"
+SHARED, UK = "kr-15-elementary", "uk-adk-2013-general-access"
+CORNER = {"x": 6, "y": 6}
+"""Of a row: in its middle a step may be named, whose click chooses the step."""
 IBC, IRC = "us-ibc-2024", "us-irc-2024"
 OWN_RULES = (static_configs() / "codes" / "us-irc-2024.toml").read_text("utf-8").replace("us-irc-2024", "my-rules", 1)
 
@@ -97,7 +99,7 @@ def test_results_by_rule_and_by_step_are_those_of_the_check_and_failing_steps_ar
 def test_a_click_on_a_finding_chooses_its_step_and_the_check_follows_the_settings(page, measured):
     choose_rules(page, label_of(SHARED), SHARED)
     failing = marks_of(measured(), check(measured(), find_rule_set(SHARED)))
-    page.by_id("rule-row").first.click()
+    page.by_id("rule-row").first.click(position=CORNER)
     page.by_id("finding").first.wait_for()
     click_at_once(page.by_id("findings").locator("[data-of='2']").first)
     page.await_selection(2)
@@ -120,7 +122,7 @@ def test_a_limit_is_changed_with_a_reason_marked_kept_in_the_project_and_taken_b
     choose_rules(page, label_of(UK), UK)
     base = find_rule_set(UK)
     rule = next(rule for rule in base.rules if rule.quantity == "rise" and rule.statistic == "each")
-    page.page.locator(f"[data-testid=rule-row][data-rule='{rule.rule_id}']").click()
+    page.page.locator(f"[data-testid=rule-row][data-rule='{rule.rule_id}']").click(position=CORNER)
     open_folder(page, "Checks", "Change a limit", button(page, "Change the limit"))
     assert row_input(page, "New limit").input_value() == rule.maximum.as_written
     row_input(page, "New limit").fill("165 mm")
@@ -154,13 +156,13 @@ def test_the_editor_shows_the_limit_that_would_be_changed(page):
     choose_rules(page, label_of(IBC), IBC)
     open_folder(page, "Checks", "Change a limit", button(page, "Change the limit"))
     limit = row_input(page, "New limit")
-    page.page.locator("[data-testid=rule-row][data-rule='tread-depth']").click()
+    page.page.locator("[data-testid=rule-row][data-rule='tread-depth']").click(position=CORNER)
     page.page.wait_for_function("() => document.querySelector('[data-rule=tread-depth][aria-expanded=true]')")
     assert (limit.input_value(), page.page.get_by_label("Side", exact=True).input_value()) == ("11 in", "minimum")
     page.choose("Side", "maximum")
     button(page, "Add a maximum: there is none").wait_for()
     assert limit.input_value() == ""
-    page.page.locator("[data-testid=rule-row][data-rule='riser']").click()
+    page.page.locator("[data-testid=rule-row][data-rule='riser']").click(position=CORNER)
     button(page, "Change the limit").wait_for()
     assert limit.input_value() == "7 in"
     limit.fill("180 mm")
@@ -252,7 +254,7 @@ def test_rows_are_opened_by_the_keyboard(page):
 def test_the_tab_fits_light_and_dark_with_everything_open(open_page, size):
     page = open_page() if size is None else open_page(width=size[0], height=size[1])
     choose_rules(page, label_of(SHARED), SHARED)
-    page.by_id("rule-row").first.click()
+    page.by_id("rule-row").first.click(position=CORNER)
     open_folder(page, "Checks", "Change a limit", button(page, "Change the limit"))
     open_folder(page, "Checks", "Own rule file", button(page, "Load a rule file"))
     check_layout(page)
