@@ -33,7 +33,10 @@ def test_a_page_opens_with_the_measurement(page, measured):
     legend = page.text("legend")
     assert [word for word in ("floor", "steps", "front edge", "back edge", "side edges") if word not in legend] == []
     assert page.by_id("histogram").locator("[data-level]").count() == len(inspection.levels)
-    assert page.by_id("notes").locator("li").all_inner_texts() == [on_page(note.message) for note in inspection.notes]
+    notes = page.by_id("notes").locator("li").all_inner_texts()
+    # Once a result has stood, values that hang on the settings are told too.
+    said = [words for words in notes if "hangs on the settings" not in words]
+    assert said == [on_page(note.message) for note in inspection.notes]
 
 
 @pytest.mark.parametrize(
