@@ -89,7 +89,7 @@ def table_html(
     if inspection is not None and columns == "survey" and rows:
         caption = (
             "± is the expanded uncertainty, k = 2; rest on a value to see what it is made of. Underlined: the "
-            "neighbours that differ most."
+            "neighbours that differ most; with dots: what hangs on the settings."
         )
         if inspection.is_withheld:
             caption = "No value is given before the question above is answered."
