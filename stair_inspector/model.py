@@ -30,6 +30,12 @@ class Note:
     step: int | None = None
 
 
+IMPOSSIBLE, BLURRED = "step_impossible", "step_blurred"
+NO_NOSING = (IMPOSSIBLE, BLURRED)
+"""Codes of the notes on a step whose nosing gives no values: neither its own, nor the going up to it, nor the rise over
+it. The first says that no staircase has what was found, the second that a camera saw it too badly."""
+
+
 @dataclass(frozen=True, slots=True)
 class Observation:
     """Something that was found about a scan before it was believed.

@@ -12,7 +12,7 @@ from stair_inspector.codes.rules import LENGTH_UNITS, QUANTITIES, Limit, Rule, R
 from stair_inspector.codes.text import limits_text
 from stair_inspector.codes.words import shown
 from stair_inspector.errors import ConfigError
-from stair_inspector.model import Flight, Inspection, Measured, Step
+from stair_inspector.model import NO_NOSING, Flight, Inspection, Measured, Step
 
 _ROUNDING = 1e-9
 """Differences of binary numbers are off by less: a value this near to a limit lies on it, which is inside."""
@@ -20,8 +20,6 @@ _LANDINGS_TOO = ("rise",)
 """Quantities of treads and landings alike; the others are those of treads, ``landing_slope`` of landings."""
 _OVER_EDGES = ("rise", "going", "two_r_plus_g", "tread_depth", "nosing_overhang")
 """Quantities that hang on the edges of a step."""
-_NO_NOSING = ("step_impossible", "step_blurred")
-"""Notes that a step's nosing gives no values, neither its own nor its neighbours'."""
 _CHAINED = ("rise", "going")
 """Quantities from nosing to nosing, so that neighbours share one."""
 _DIFFERENCES = ("flight_range", "adjacent_difference")
@@ -250,7 +248,7 @@ class _Judge:
         near = (here, above, here - 1) if quantity in _OVER_EDGES else ()
         for number in near:
             for note in self._inspection.notes:
-                if note.step == number and note.code in _NO_NOSING and number in flight.step_ids:
+                if note.step == number and note.code in NO_NOSING and number in flight.step_ids:
                     return note.message
         if is_last and quantity in ("going", "two_r_plus_g", "nosing_overhang"):
             return f"no nosing was seen above step {here}, up to which its going is measured"

@@ -14,7 +14,6 @@ _MOST_BLUR = 0.2
 """Of a usual going: where points are uncertain by more along the climb, a nosing's are mistaken for its riser's, and
 the tread's for those of the riser above."""
 _EVEN = 1.0 / math.sqrt(12.0)
-CODE = "step_blurred"
 
 
 def find_blurred(shapes: Sequence[Sequence[StepShape]]) -> dict[int, str]:

@@ -10,14 +10,11 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Examination, Flight, Note, Step, StepShape
+from stair_inspector.model import BLURRED, IMPOSSIBLE, Examination, Flight, Note, Step, StepShape
 from stair_inspector.params import FlightsParams
-from stair_inspector.stages.blurred import CODE as BLURRED
 from stair_inspector.stages.blurred import find_blurred
 from stair_inspector.stages.survey import Survey, statistics_of
 
-CODE = "step_impossible"
-"""Of the note that says what could not be, with the number of the step whose edge it was."""
 _OVER_NOSING = ("going_m", "going_lcr_m", "pitch_deg", "nosing_overhang_m")
 """What a step has from its own nosing to the next one."""
 _OF_NOSING = ("rise_m", "rise_lcr_m", "tread_depth_m", *_OVER_NOSING)
@@ -112,7 +109,7 @@ def _review_flight(steps: Sequence[Step], is_straight: bool, steepest_deg: float
             if measured is not None and measured.value <= 0.0:
                 lost.take(step, name, *({"tread_depth_m": ("nosing_overhang_m",)}.get(name, ())))
                 message = f"step {step.step_id}: a {what} of {_mm(measured.value)} is none: its edges were mistaken"
-                lost.notes.append(Note(CODE, "impossible", message, step.step_id))
+                lost.notes.append(Note(IMPOSSIBLE, "impossible", message, step.step_id))
     goings = [step.going_m.value for k, step in enumerate(steps) if step.going_m is not None and k not in why]
     usual_m = float(np.median(goings)) if goings else priors.USUAL_GOING_M
     for k, reason in why.items():
@@ -126,7 +123,7 @@ def _review_flight(steps: Sequence[Step], is_straight: bool, steepest_deg: float
                 f"step {number}: {reason}, as on no staircase: what was found is not its nosing, and nothing is "
                 "measured from it"
             )
-            lost.notes.append(Note(CODE, "impossible", message, number))
+            lost.notes.append(Note(IMPOSSIBLE, "impossible", message, number))
 
 
 def _why_not(step: Step, upper: Step | None, is_straight: bool, steepest_deg: float) -> str:

@@ -19,7 +19,7 @@ from stair_inspector.stages.doubt import (
     view_doubt,
 )
 
-_TORN_M = 0.007
+_MISTAKEN_M = 0.007
 """Treads that are double by so much in height have no one face before them."""
 
 
@@ -121,7 +121,7 @@ class Doubts:
             return 0.0
         apart_m = self._apart_m(np.array([*shape.climb, 0.0]))
         above_m = shape.plane.layers_m or self._layers_m
-        mistaken = layers_doubt(priors.DEEPEST_OVERHANG_M) if above_m > _TORN_M else 0.0
+        mistaken = layers_doubt(priors.DEEPEST_OVERHANG_M) if above_m > _MISTAKEN_M else 0.0
         return math.hypot(apart_m / 2.0, mistaken)
 
     def layers_aside(self, shape: StepShape) -> float:

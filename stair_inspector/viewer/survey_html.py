@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 from stair_inspector.files.palettes import Palette, Rgb
-from stair_inspector.model import Flight, Inspection, Measured, Note, Statistics, Step
+from stair_inspector.model import NO_NOSING, Flight, Inspection, Measured, Note, Statistics, Step
 from stair_inspector.report.pictures.coloring import rejected_of
 from stair_inspector.report.pictures.frames import step_of
 from stair_inspector.report.pictures.segmentation import MOST_REJECTED, SURFACE
@@ -19,7 +19,6 @@ from stair_inspector.report.units import (
     uncertainty_text,
 )
 from stair_inspector.stability import words_about
-from stair_inspector.stages.impossible import CODE as IMPOSSIBLE
 from stair_inspector.viewer.markup import DIM, FLIGHT, LINE, chip, mm, pick_script, row_start, table_head, text
 from stair_inspector.viewer.remarks import on_page
 from stair_inspector.viewer.step_marks import StepMark, mark_html
@@ -306,7 +305,7 @@ def _why(inspection: Inspection, step: Step, quantity: str) -> str:
         if note.code == _TREAD_MISSING:
             # It is told of the step above the gap, whose rise it takes, with the going of the step below.
             concerns = note.step == step.step_id + from_here_up and (from_here_up or quantity == "rise")
-        elif note.code == IMPOSSIBLE:
+        elif note.code in NO_NOSING:
             # An edge that is none takes its step's values, the going up to it and the rise over it.
             beside = 1 if from_here_up else -1 if quantity == "rise" else 0
             concerns = note.step in (step.step_id, step.step_id + beside)

@@ -153,24 +153,29 @@ def other_units(seed: int) -> Iterator[Variant]:
         yield variant_of(f"{unit}, seed {seed}", EVEN, replace(TLS, seed=seed), yaw(20.0 * seed), unit=unit)
 
 
+def camera_at(height_m: float, away_m: float, pitch_deg: float) -> Scanner:
+    """A depth camera of 80 by 60 degrees with 2 mm of noise, so far before the first riser, tilted down."""
+    return Scanner(
+        stations=1,
+        sensor_height_m=height_m,
+        standoff_m=away_m,
+        azimuth_step_deg=0.22,
+        elevation_step_deg=0.22,
+        azimuth_width_deg=80.0,
+        elevation_low_deg=-pitch_deg - 30.0,
+        elevation_high_deg=-pitch_deg + 30.0,
+        spacing_m=0.0,
+        noise_m=0.002,
+    )
+
+
 def camera_views(seed: int) -> Iterator[Variant]:
     """One frame of a depth camera in its optical frame (z forward, y down) before the foot of a stair with walls."""
     rng = np.random.default_rng(seed)
     for pitch in (0.0, 10.0, 20.0, 30.0, 40.0):
         stair = replace(EVEN, n_risers=6, wall="both" if rng.uniform() < 0.5 else "left", ceiling=True)
-        camera = Scanner(
-            stations=1,
-            sensor_height_m=float(rng.uniform(1.0, 1.5)),
-            standoff_m=float(rng.uniform(1.0, 1.6)),
-            azimuth_step_deg=0.22,
-            elevation_step_deg=0.22,
-            azimuth_width_deg=80.0,
-            elevation_low_deg=-pitch - 30.0,
-            elevation_high_deg=-pitch + 30.0,
-            spacing_m=0.0,
-            noise_m=0.002,
-            seed=seed,
-        )
+        height_m, away_m = float(rng.uniform(1.0, 1.5)), float(rng.uniform(1.0, 1.6))
+        camera = replace(camera_at(height_m, away_m, pitch), seed=seed)
         name = f"pitch {pitch:g}, seed {seed}"
         yield variant_of(name, stair, camera, optical_frame(pitch), is_partly_seen=True)
 
@@ -192,18 +197,10 @@ def camera_frames(seed: int) -> Iterator[Variant]:
             floor_front_m=4.6,
             floor_width_m=3.0,
         )
-        camera = Scanner(
-            stations=1,
-            sensor_height_m=float(rng.uniform(0.3, 1.7)),
-            standoff_m=float(rng.uniform(1.0, 4.0)),
-            azimuth_step_deg=0.22,
-            elevation_step_deg=0.22,
-            azimuth_width_deg=80.0,
-            elevation_low_deg=-pitch - 30.0,
-            elevation_high_deg=-pitch + 30.0,
+        height_m, away_m = float(rng.uniform(0.3, 1.7)), float(rng.uniform(1.0, 4.0))
+        camera = replace(
+            camera_at(height_m, away_m, pitch),
             range_max_m=6.0,
-            spacing_m=0.0,
-            noise_m=0.002,
             range_noise_m=0.0015 if is_noisy else 0.0,
             noise_patch_rays=5 if is_noisy else 1,
             seed=100 * seed + k,

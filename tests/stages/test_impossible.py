@@ -8,9 +8,9 @@ import pytest
 from stair_inspector import priors
 from stair_inspector.codes import Verdict, check
 from stair_inspector.files.rule_sets import find_rule_set
-from stair_inspector.model import Measured
+from stair_inspector.model import IMPOSSIBLE, Measured
 from stair_inspector.params import FlightsParams
-from stair_inspector.stages.impossible import CODE, steepest_pitch_deg, take_out_impossible
+from stair_inspector.stages.impossible import steepest_pitch_deg, take_out_impossible
 from stair_inspector.stages.survey import Survey
 from tests.codes.flights import changed, even, flight_of, inspection_of, measured
 
@@ -73,7 +73,7 @@ def test_of_a_going_that_is_not_positive_the_edge_that_fits_its_other_neighbour_
     # The nosing of step 4 lies far in front: the going to it is negative, the one from it far too long.
     steps = changed(changed(steps_of(), 3, going_m=BAD), 4, going_m=measured(0.65, 0.001))
     found, notes, _ = reviewed(steps)
-    assert notes == [(CODE, 4)]
+    assert notes == [(IMPOSSIBLE, 4)]
     assert missing(found) == hanging_on(4)
     assert found.notes[0].message == (
         "step 4: the nosing of step 4 would lie 86 mm in front of that of step 3, as on no staircase: what was found "
@@ -82,19 +82,19 @@ def test_of_a_going_that_is_not_positive_the_edge_that_fits_its_other_neighbour_
     # Or that of step 3 lies far behind: then the going to it is far too long.
     steps = changed(changed(steps_of(), 3, going_m=BAD), 2, going_m=measured(0.65, 0.001))
     found, notes, _ = reviewed(steps)
-    assert notes == [(CODE, 3)]
+    assert notes == [(IMPOSSIBLE, 3)]
     assert missing(found) == hanging_on(3)
 
 
 def test_the_last_step_of_a_flight_has_no_other_neighbour_to_fit():
     found, notes, _ = reviewed(changed(steps_of(), 5, going_m=BAD))
-    assert notes == [(CODE, 6)]
+    assert notes == [(IMPOSSIBLE, 6)]
     assert missing(found) == {(5, "going"), (5, "pitch"), (5, "nosing_overhang"), (6, "rise")}
 
 
 def test_where_neither_edge_has_another_neighbour_both_are_doubted():
     _, notes, _ = reviewed(changed(steps_of(2), 1, going_m=BAD))
-    assert notes == [(CODE, 1), (CODE, 2)]
+    assert notes == [(IMPOSSIBLE, 1), (IMPOSSIBLE, 2)]
 
 
 def test_statistics_and_pitch_of_the_flight_are_without_what_was_taken_out():
@@ -109,7 +109,7 @@ def test_a_pitch_steeper_than_a_ladder_is_none_and_a_steep_stair_is_one():
     assert steepest_pitch_deg(LIMITS) == priors.STEEPEST_PITCH_DEG
     steps = steps_of()
     assert not reviewed(changed(steps, 5, pitch_deg=measured(59.0, 0.1)))[1]
-    assert reviewed(changed(steps, 5, pitch_deg=measured(61.0, 0.1)))[1] == [(CODE, 6)]
+    assert reviewed(changed(steps, 5, pitch_deg=measured(61.0, 0.1)))[1] == [(IMPOSSIBLE, 6)]
     # A user who looks for rises of 600 mm finds pitches of 65 degrees.
     assert not reviewed(changed(steps, 5, pitch_deg=measured(61.0, 0.1)), limits=FlightsParams(max_rise_m=0.6))[1]
 
@@ -117,18 +117,18 @@ def test_a_pitch_steeper_than_a_ladder_is_none_and_a_steep_stair_is_one():
 def test_nosings_that_cross_are_none():
     steps = steps_of()
     crossing = changed(steps, 6, nosing=nosing_at(7 * GOING_M, 4.9 * GOING_M))
-    assert reviewed(crossing)[1] == [(CODE, 6)]
+    assert reviewed(crossing)[1] == [(IMPOSSIBLE, 6)]
     assert not reviewed(changed(steps, 6, nosing=nosing_at(7 * GOING_M, 5.1 * GOING_M)))[1]
     # The narrow ends of wedges meet; but a going that is not positive on a measuring line is none there either.
     assert not reviewed(crossing, shape="spiral")[1]
     on_a_line = changed(steps, 5, going_lcr_m=(0.5, 0.29, -0.01))
-    assert reviewed(on_a_line, shape="spiral")[1] == [(CODE, 6)]
+    assert reviewed(on_a_line, shape="spiral")[1] == [(IMPOSSIBLE, 6)]
 
 
 @pytest.mark.parametrize("name", ["rise_m", "tread_depth_m", "width_m"])
 def test_a_length_that_is_not_positive_is_none(name):
     found, notes, _ = reviewed(changed(steps_of(), 3, **{name: Measured(-0.01, 0.001)}))
-    assert notes == [(CODE, 3)]
+    assert notes == [(IMPOSSIBLE, 3)]
     wanted = {(3, name.rpartition("_")[0])}
     assert missing(found) == wanted | ({(3, "nosing_overhang")} if name == "tread_depth_m" else set())
 

@@ -4,11 +4,10 @@ import dataclasses
 
 import pytest
 
-from stair_inspector.model import Measured, Note
+from stair_inspector.model import NO_NOSING, Measured, Note
 from stair_inspector.report.pictures.coloring import rejected_of
 from stair_inspector.report.pictures.display import REJECTED_COLOR
 from stair_inspector.report.pictures.segmentation import MOST_REJECTED
-from stair_inspector.stages.impossible import CODE as IMPOSSIBLE
 from stair_inspector.viewer import histogram, html, survey_html
 from stair_inspector.viewer.markup import pick_script
 from stair_inspector.viewer.survey_html import (
@@ -78,10 +77,11 @@ def test_what_is_missing_is_a_dash_with_the_reason(inspection):
     assert rows[4][5].strip() == "–"
 
 
-def test_what_a_nosing_that_is_none_takes_from_its_neighbours_has_its_reason(inspection):
+@pytest.mark.parametrize("code", NO_NOSING)
+def test_what_a_nosing_that_is_none_takes_from_its_neighbours_has_its_reason(inspection, code):
     words = "step 3: what was found is not its nosing"
     steps = [dataclasses.replace(step, rise_m=None, going_m=None, tread_depth_m=None) for step in inspection.steps]
-    notes = (Note(IMPOSSIBLE, "impossible", words, 3),)
+    notes = (Note(code, "impossible", words, 3),)
     source = survey_table(dataclasses.replace(inspection, notes=notes, steps=tuple(steps)))
     for column, near in ((1, {3, 4}), (2, {2, 3}), (3, {3})):
         assert {number for number, title in enumerate(titles_of(source, column), 1) if title == words} == near
