@@ -99,7 +99,9 @@ def dxf_bytes(drawing: Drawing, scan_name: str, made_at: datetime) -> bytes:
         ezdxf is not installed.
     """
     stream = io.StringIO()
-    dxf_document(drawing, scan_name, made_at).write(stream)
+    document = dxf_document(drawing, scan_name, made_at)
+    _sort_classes(document)
+    document.write(stream)
     return _dated(stream.getvalue(), made_at).encode("utf-8", errors="backslashreplace")
 
 
@@ -141,6 +143,14 @@ def _new_document(text_mm: float) -> "Document":
     style.dxf.dimclrd = style.dxf.dimclre = style.dxf.dimclrt = _BLUE
     style.set_arrows(blk=ARROWS.architectural_tick)
     return document
+
+
+def _sort_classes(document: "Document") -> None:
+    """Give the CLASS entries one order: ezdxf 1.4 takes them from a set, whose order differs between processes."""
+    document.classes.add_required_classes(document.dxfversion)
+    classes = document.classes.classes
+    for key in sorted(classes):
+        classes[key] = classes.pop(key)
 
 
 def _dated(text: str, made_at: datetime) -> str:

@@ -119,6 +119,13 @@ def test_the_same_stair_gives_the_same_bytes_but_for_the_date():
     assert b"2026-11-22" in first["plan"]
 
 
+def test_the_classes_stand_in_one_order_in_every_process():
+    text = dxf_files(SHAPES["left"], MADE_AT)["plan"].decode("utf-8")
+    names = re.findall(r"  0\nCLASS\n +1\n([^\n]+)\n", text)
+    assert len(names) > 5
+    assert names == sorted(names)
+
+
 @pytest.mark.parametrize(
     "name",
     [
