@@ -10,7 +10,7 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
@@ -127,7 +127,10 @@ class Headless(Common):
     ] = "guarded"
     report: Annotated[
         tyro.conf.FlagCreatePairsOff[bool],
-        Doc("Write the survey report too: DIR/STEM_report.pdf, .html and .xlsx, STEM_plan.dxf and STEM_section.dxf."),
+        Doc(
+            "Write the survey report too: DIR/STEM_report.pdf, .html and .xlsx, STEM_plan.dxf and STEM_section.dxf; "
+            "it is dated now, or at the seconds since 1970 in the environment variable SOURCE_DATE_EPOCH."
+        ),
     ] = False
     stability: Annotated[
         tyro.conf.FlagCreatePairsOff[bool],
@@ -318,6 +321,7 @@ def _measure(args: list[str]) -> int:
     measure = _parse(Measure, "measure", args, start)
     rules = _rules_of(args, measure, "measure", project)
     basis = _basis_of(measure, "measure", project)
+    made_at = _now()
     _check_folder(measure.out)
     paths, worst = _paths_of(measure, "measure", project)
     _check_stems(paths)
@@ -325,7 +329,7 @@ def _measure(args: list[str]) -> int:
 
     def show(scan: "Scan", inspection: "Inspection", path: Path) -> int:
         found = _checked(inspection, rules)
-        wrote = _wrote(scan, inspection, measure.out, path, found, basis)
+        wrote = _wrote(scan, inspection, measure.out, path, found, basis, made_at)
         _say(f"{_examined(inspection)}{_summary(inspection)}\n  {wrote}\n")
         return 0
 
@@ -340,6 +344,7 @@ def _check(args: list[str]) -> int:
     if rules is None:
         raise ConfigError("check: no rule set given; name one with --rules (see: stair-inspector rules)")
     basis = _basis_of(options, "check", project)
+    made_at = _now()
     folder = Path(options.out) if options.out else None
     if folder is not None:
         _check_folder(folder)
@@ -355,7 +360,7 @@ def _check(args: list[str]) -> int:
         from stair_inspector.codes.text import check_text
 
         found = check(inspection, *rules)
-        written = "" if folder is None else f"\n  {_wrote(scan, inspection, folder, path, found, basis)}"
+        written = "" if folder is None else f"\n  {_wrote(scan, inspection, folder, path, found, basis, made_at)}"
         _say(f"{_examined(inspection)}{scan.name} {check_text(found)}{written}\n")
         if found.is_outside:
             return 1
@@ -441,6 +446,7 @@ def _wrote(
     path: Path,
     found: "Check | None",
     basis: "ReportBasis | None",
+    made_at: datetime,
 ) -> str:
     """Write the files of measure, and the report if there is a basis for one, and say which."""
     from stair_inspector.files.exports import write_inspection
@@ -449,9 +455,19 @@ def _wrote(
     if basis is not None:
         from stair_inspector.report.write import write_report
 
-        made_at = datetime.now().astimezone()
         written += write_report(scan, inspection, folder, path.stem, basis, made_at, found)
     return f"wrote {', '.join(str(file) for file in written)}"
+
+
+def _now() -> datetime:
+    """Return when a report is made: now, or the time that reproducible builds state in ``SOURCE_DATE_EPOCH``."""
+    stated = os.environ.get("SOURCE_DATE_EPOCH", "")
+    if not stated:
+        return datetime.now().astimezone()
+    try:
+        return datetime.fromtimestamp(int(stated), UTC)
+    except (ValueError, OverflowError, OSError) as error:
+        raise ConfigError(f"SOURCE_DATE_EPOCH: got {stated[:60]!r}; give whole seconds since 1970") from error
 
 
 def _paths_of(options: Headless, command: str, project: "Project | None") -> tuple[list[Path], int]:

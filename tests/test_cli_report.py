@@ -1,10 +1,8 @@
 """``--report`` on the command line: which files, whose fields and rules, one line for an error."""
 
 import hashlib
-import io
 import json
 
-import openpyxl
 import pytest
 from pypdf import PdfReader
 
@@ -100,17 +98,24 @@ def test_a_projects_rules_are_checked_without_naming_them(run, project_file):  #
 
 
 @pytest.mark.slow
-def test_the_same_project_gives_the_same_workbook(run, tmp_path, project_file):  # noqa: F811
-    tables = []
+def test_the_same_project_at_the_same_time_gives_the_same_files(run, tmp_path, project_file, monkeypatch):  # noqa: F811
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1795000000")
+    made = []
     for name in ("a", "b"):
         assert run("measure", "--project", project_file, "-o", tmp_path / name, "--report")[0] == 0
-        (path,) = (tmp_path / name).glob("*_report.xlsx")
-        book = openpyxl.load_workbook(io.BytesIO(path.read_bytes()))
-        tables.append(
-            {sheet.title: list(sheet.iter_rows(values_only=True)) for sheet in book if sheet.title != "Report"}
-        )
-    assert tables[0] == tables[1]
-    assert "Steps" in tables[0]
+        made.append({path.name: path for path in (tmp_path / name).iterdir() if path.suffix != ".json"})
+    assert len(made[0]) == 7
+    assert made[0].keys() == made[1].keys()
+    assert [name for name in made[0] if made[0][name].read_bytes() != made[1][name].read_bytes()] == []
+    report = next(path for path in made[0].values() if path.suffix == ".html").read_text()
+    assert "2026-11-18" in report
+
+
+def test_a_time_that_is_none_is_refused(run, tmp_path, stair_file, monkeypatch):  # noqa: F811
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "noon")
+    sentence = refusal(run, "measure", stair_file, "-o", tmp_path, "--report")
+    assert "SOURCE_DATE_EPOCH: got 'noon'; give whole seconds since 1970" in sentence
+    assert list(tmp_path.glob("*_report.*")) == []
 
 
 @pytest.mark.parametrize(
