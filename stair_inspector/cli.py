@@ -26,9 +26,9 @@ from stair_inspector.simulate.specs import Scanner, Stair
 
 if TYPE_CHECKING:
     from stair_inspector.codes import Check, RuleSet
+    from stair_inspector.content.fields import ReportBasis
     from stair_inspector.files.projects import Project
     from stair_inspector.model import Inspection, Measured, Scan
-    from stair_inspector.report.fields import ReportBasis
 
 T = TypeVar("T")
 
@@ -305,7 +305,7 @@ def _view(args: list[str]) -> int:
 
 def _basis_of_all(path: Path) -> "ReportBasis":
     """Return what the reports on all stairs begin with."""
-    from stair_inspector.report.fields import entries_of_one_stair, read_basis
+    from stair_inspector.content.fields import entries_of_one_stair, read_basis
 
     basis = read_basis(path)
     names = entries_of_one_stair(basis)
@@ -357,7 +357,7 @@ def _check(args: list[str]) -> int:
 
     def show(scan: "Scan", inspection: "Inspection", path: Path) -> int:
         from stair_inspector.codes import check
-        from stair_inspector.codes.text import check_text
+        from stair_inspector.writers.text import check_text
 
         found = check(inspection, *rules)
         written = "" if folder is None else f"\n  {_wrote(scan, inspection, folder, path, found, basis, made_at)}"
@@ -376,9 +376,9 @@ def _rules(args: list[str]) -> int:
     options = _parse(ListRules, "rules", args, ListRules())
     if options.show and options.toml:
         raise ConfigError("rules: got --show and --toml; give one of them")
-    from stair_inspector.codes.text import rule_set_text, rule_sets_text
     from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets, rule_set_path
     from stair_inspector.files.toml import read_toml_bytes
+    from stair_inspector.writers.text import rule_set_text, rule_sets_text
 
     if options.toml:
         # Read as a rule set first: what is printed can be used.
@@ -424,8 +424,8 @@ def _basis_of(options: Headless, command: str, project: "Project | None") -> "Re
         if options.fields:
             raise ConfigError(f"{command}: got --fields without --report; give both")
         return None
-    from stair_inspector.report.fields import ReportBasis, read_basis
-    from stair_inspector.report.project_basis import basis_of, titled
+    from stair_inspector.content.fields import ReportBasis, read_basis
+    from stair_inspector.content.project_basis import basis_of, titled
 
     if project is None:
         return read_basis(Path(options.fields)) if options.fields else ReportBasis()
@@ -449,11 +449,11 @@ def _wrote(
     made_at: datetime,
 ) -> str:
     """Write the files of measure, and the report if there is a basis for one, and say which."""
-    from stair_inspector.files.exports import write_inspection
+    from stair_inspector.writers.inspection import write_inspection
 
     written = list(write_inspection(scan, inspection, folder, path.stem, found))
     if basis is not None:
-        from stair_inspector.report.write import write_report
+        from stair_inspector.writers.report import write_report
 
         written += write_report(scan, inspection, folder, path.stem, basis, made_at, found)
     return f"wrote {', '.join(str(file) for file in written)}"
@@ -687,7 +687,7 @@ def _check_stems(paths: list[Path]) -> None:
 
 def _check_overwriting(paths: list[Path], folder: Path) -> None:
     """Raise when a result would take the place of a scan."""
-    from stair_inspector.files.exports import result_paths
+    from stair_inspector.writers.inspection import result_paths
 
     scans = {path.resolve(): path for path in paths}
     for path in paths:
@@ -723,7 +723,7 @@ def _examined(inspection: "Inspection") -> str:
     """Return what was found about a scan before it was measured, a line for each; nothing where nothing was."""
     if not inspection.examination:
         return ""
-    from stair_inspector.report.examination import examination_lines
+    from stair_inspector.content.examination import examination_lines
 
     lines = [f"{inspection.scan.name} examined:", *(f"  {line}" for line in examination_lines(inspection))]
     return "\n".join(lines) + "\n"

@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 
 from stair_inspector.codes import Check, Finding, Rule, Verdict, check, gravest, overlaid
+from stair_inspector.content.document import SIGNS, Status, Table
+from stair_inspector.content.rule_tables import by_step_table
+from stair_inspector.content.tables import evidence_table, steps_table
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
 from stair_inspector.model import Inspection
-from stair_inspector.report.document import SIGNS, Status, Table
-from stair_inspector.report.rule_tables import by_step_table
-from stair_inspector.report.tables import evidence_table, steps_table
-from stair_inspector.viewer.checks_html import steps_html
-from stair_inspector.viewer.step_marks import marks_of
+from stair_inspector.viewer.parts.checks.checks_html import steps_html
+from stair_inspector.viewer.scene.step_marks import marks_of
 from tests.test_samples import PRESETS_MARKED, survey_sample, truth_of
 
 IN, CLOSE, OUT, OUT_CLOSE = Verdict.WITHIN, Verdict.WITHIN_CLOSE, Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE

@@ -14,13 +14,13 @@ from PIL import Image
 import stair_inspector
 from stair_inspector import cli, stability
 from stair_inspector.errors import ConfigError, MissingLibrary
-from stair_inspector.files.exports import write_inspection
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.projects import KeptRun, Measurement, Project, save_project
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import list_presets, params_to_dict
 from stair_inspector.params import GROUPS, Params, fields_of
 from stair_inspector.pipeline import inspect
+from stair_inspector.writers.inspection import write_inspection
 from tests.synthetic import Stair
 
 ROOT = Path(__file__).parent.parent

@@ -6,9 +6,8 @@ import json
 import pytest
 
 from stair_inspector.codes import check
-from stair_inspector.codes.text import check_text
+from stair_inspector.content.check_records import check_record
 from stair_inspector.files import scans
-from stair_inspector.files.check_records import check_record
 from stair_inspector.files.paths import sample_scans, static_configs
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
@@ -16,6 +15,7 @@ from stair_inspector.files.scans import read_scan
 from stair_inspector.model import Observation
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.writers.text import check_text
 from tests.synthetic import Stair
 from tests.test_cli import UP_Z, refusal, run, stair_file  # noqa: F401 - fixtures
 

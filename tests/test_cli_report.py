@@ -8,11 +8,11 @@ from pypdf import PdfReader
 
 from stair_inspector.codes import RuleEdit
 from stair_inspector.codes.rules import Limit
+from stair_inspector.content.fields import ReportBasis, ReportFields, basis_to_dict
+from stair_inspector.content.readings import TapeReading
 from stair_inspector.files.chosen_rules import ChosenRules
 from stair_inspector.files.projects import Project, save_project
 from stair_inspector.params import Params
-from stair_inspector.report.fields import ReportBasis, ReportFields, basis_to_dict
-from stair_inspector.report.readings import TapeReading
 from tests.test_cli import refusal, run, stair_file  # noqa: F401 - fixtures
 
 NAMES = ("_report.pdf", "_report.html", "_report.xlsx", "_plan.dxf", "_section.dxf")

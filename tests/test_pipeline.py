@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stair_inspector.content.records import inspection_to_dict
 from stair_inspector.errors import CannotMeasure
-from stair_inspector.files.exports import inspection_to_dict
 from stair_inspector.memo import Memo
 from stair_inspector.model import Normals
 from stair_inspector.params import EdgesParams, HorizontalParams, LevelsParams, NormalsParams, Params

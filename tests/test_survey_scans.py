@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stair_inspector.content.records import inspection_to_dict
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.exports import inspection_to_dict
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
 from stair_inspector.memo import Memo

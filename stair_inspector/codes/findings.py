@@ -6,7 +6,7 @@ from enum import Enum
 from typing import Literal
 
 from stair_inspector.codes.rules import Limit, Rule, RuleEdit, RuleSet, Side
-from stair_inspector.codes.words import shown
+from stair_inspector.units import shown
 
 Decision = Literal["guarded", "simple"]
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import get_args
 
 from stair_inspector.codes.findings import FIT_SHARE, Check, Decision, Finding, Fit, Verdict
+from stair_inspector.codes.phrases import limits_text
 from stair_inspector.codes.quantities import difference, spread, step_value, total, usable
 from stair_inspector.codes.rules import LENGTH_UNITS, QUANTITIES, Limit, Rule, RuleSet
-from stair_inspector.codes.text import limits_text
-from stair_inspector.codes.words import shown
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import NO_NOSING, Flight, Inspection, Measured, Step
+from stair_inspector.units import shown
 
 _ROUNDING = 1e-9
 """Differences of binary numbers are off by less: a value this near to a limit lies on it, which is inside."""

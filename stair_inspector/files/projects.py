@@ -104,7 +104,7 @@ class Project:
     ``scan_file`` is the scan's file name without folder; ``scan_sha256`` that of the file's bytes, as in
     :class:`~stair_inspector.model.Scan`; ``params`` holds method, unit, up, region and overrules with the rest.
     ``rules`` are those that the inspection is held against. ``report`` is what the user gave for the report as plain
-    values, which :func:`stair_inspector.report.project_basis.basis_of` reads.
+    values, which :func:`stair_inspector.content.project_basis.basis_of` reads.
     """
 
     scan_file: str

@@ -14,17 +14,17 @@ from typing import Any
 import viser
 import viser._messages
 
+from stair_inspector.content.fields import ReportBasis
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.params import Params
-from stair_inspector.report.fields import ReportBasis
-from stair_inspector.report.pictures.cameras import FOV_RAD
-from stair_inspector.viewer.library import DEFAULT_UPLOAD_LIMIT_MB, Library
-from stair_inspector.viewer.session import Session
-from stair_inspector.viewer.uploads import limit_uploads
-from stair_inspector.viewer.wakeups import keep_waking
-from stair_inspector.viewer.work import KeptWishes, Work
-from stair_inspector.viewer.worker import Workshop
+from stair_inspector.pictures.cameras import FOV_RAD
+from stair_inspector.viewer.bridge.uploads import limit_uploads
+from stair_inspector.viewer.bridge.wakeups import keep_waking
+from stair_inspector.viewer.compute.worker import Workshop
+from stair_inspector.viewer.page import Session
+from stair_inspector.viewer.state.library import DEFAULT_UPLOAD_LIMIT_MB, Library
+from stair_inspector.viewer.state.work import KeptWishes, Work
 
 
 class App:

@@ -3,17 +3,17 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from stair_inspector.viewer.panel import Actions
-from stair_inspector.viewer.shortcuts import Command, add_commands
-from stair_inspector.viewer.tabs.checks import ChecksActions
-from stair_inspector.viewer.tabs.export import ExportActions
-from stair_inspector.viewer.tabs.report import DOCUMENTS, DRAWINGS, EVERYTHING, ReportActions
-from stair_inspector.viewer.tabs.scan import ScanActions
-from stair_inspector.viewer.tabs.steps import StepsActions
-from stair_inspector.viewer.tabs.tune import TuneActions
+from stair_inspector.viewer.bridge.shortcuts import Command, add_commands
+from stair_inspector.viewer.parts.checks.tab import ChecksActions
+from stair_inspector.viewer.parts.export.report_tab import DOCUMENTS, DRAWINGS, EVERYTHING, ReportActions
+from stair_inspector.viewer.parts.export.tab import ExportActions
+from stair_inspector.viewer.parts.panel import Actions
+from stair_inspector.viewer.parts.scan.tab import ScanActions
+from stair_inspector.viewer.parts.steps.tab import StepsActions
+from stair_inspector.viewer.parts.tune.tab import TuneActions
 
 if TYPE_CHECKING:
-    from stair_inspector.viewer.session import Session
+    from stair_inspector.viewer.page import Session
 
 
 def actions_of(session: "Session") -> Actions:

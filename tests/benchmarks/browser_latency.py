@@ -43,9 +43,9 @@ def main():
         raise SystemExit("no Chromium found; install one, or name it in STAIR_INSPECTOR_BROWSER")
     from playwright.sync_api import sync_playwright
 
-    from stair_inspector.report.pictures.display import choose_display
-    from stair_inspector.viewer import looking
+    from stair_inspector.pictures.display import choose_display
     from stair_inspector.viewer.app import App
+    from stair_inspector.viewer.parts.look import look as looking
 
     looking.choose_display = lambda scan, most: choose_display(scan, min(most, given.drawn))
     with tempfile.TemporaryDirectory() as folder:

@@ -11,16 +11,16 @@ from pathlib import Path
 from PIL import Image, ImageDraw
 
 from stair_inspector.codes import check
+from stair_inspector.content.fields import ReportBasis, ReportFields
+from stair_inspector.content.images import read_logo
+from stair_inspector.content.readings import TapeReading
 from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
 from stair_inspector.pipeline import inspect
-from stair_inspector.report.fields import ReportBasis, ReportFields
-from stair_inspector.report.images import read_logo
-from stair_inspector.report.pdf import page_pngs
-from stair_inspector.report.readings import TapeReading
-from stair_inspector.report.write import make_report, write_report
+from stair_inspector.writers.pdf import page_pngs
+from stair_inspector.writers.report import make_report, write_report
 
 MADE_AT = datetime(2026, 11, 22, 12, 0, tzinfo=UTC)
 RULES = "us-ibc-2021-dwelling"

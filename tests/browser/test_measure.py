@@ -2,7 +2,7 @@
 
 import pytest
 
-from stair_inspector.viewer.remarks import on_page
+from stair_inspector.content.remarks import on_page
 from tests.browser.inspector_page import rows_of, survey_rows_of
 
 

@@ -12,13 +12,13 @@ import pytest
 from PIL import Image
 
 from stair_inspector.codes import check
+from stair_inspector.content.images import read_logo
+from stair_inspector.content.project_basis import basis_of
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.exports import csv_bytes
 from stair_inspector.files.projects import parse_project
 from stair_inspector.files.rule_sets import find_rule_set
-from stair_inspector.report.images import read_logo
-from stair_inspector.report.project_basis import basis_of
-from stair_inspector.viewer import scene_views
+from stair_inspector.viewer.parts.export import scene_views
+from stair_inspector.writers.csv import csv_bytes
 from tests.browser.inspector_page import THROTTLE_MS, click_at_once
 from tests.browser.test_checks import NO_RULES, SHARED, choose_rules, label_of
 from tests.browser.test_layout import check as check_layout

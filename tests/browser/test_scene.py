@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.files.palettes import read_palette
-from stair_inspector.report.pictures.segmentation import ground_of
+from stair_inspector.pictures.segmentation import ground_of
 from tests.browser.inspector_page import VIEW_PANEL, share_changed
 
 PALETTE = read_palette("page")

@@ -13,7 +13,7 @@ from PIL import Image
 from stair_inspector import cli
 from stair_inspector.files.projects import parse_project
 from stair_inspector.params import Params
-from stair_inspector.report.pictures.cameras import VIEWS
+from stair_inspector.pictures.cameras import VIEWS
 from tests.browser.inspector_page import click_at_once, share_changed, survey_rows_of
 
 SMALL, LARGE = (1280, 720), (2560, 1440)

@@ -9,12 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stair_inspector.codes import Check, Limit, Verdict, check, edited, gravest
+from stair_inspector.codes.phrases import value_text
 from stair_inspector.codes.rules import Condition
-from stair_inspector.codes.text import check_text, value_text, verdict_sentence
+from stair_inspector.content.check_records import check_record
+from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.check_records import check_record
 from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.model import Measured
+from stair_inspector.writers.text import check_text
 from tests.codes.flights import USUAL, changed, even, flight_of, inspection_of, measured, step
 from tests.codes.test_rules import rule, rule_set
 

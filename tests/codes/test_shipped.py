@@ -6,9 +6,9 @@ import pytest
 
 from stair_inspector.codes import Verdict, check, overlaid
 from stair_inspector.codes.rules import RuleSet
-from stair_inspector.codes.text import rule_set_text
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
+from stair_inspector.writers.text import rule_set_text
 from tests.codes.flights import even, holding, inspection_of
 
 IDS = sorted(path.stem for path in (static_configs() / "codes").glob("*.toml"))

@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
+from stair_inspector.content.cures import cures_of
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import read_scan
 from stair_inspector.model import Note
 from stair_inspector.params import KNOWN_UNITS, METRES_PER_UNIT, NormalsParams, Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.report.cures import cures_of
 from stair_inspector.stages.units import decide_unit
 from tests.synthetic import Stair, make_scan, rotation
 

@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 
 from stair_inspector.codes import Verdict, check
-from stair_inspector.codes.text import check_text, verdict_sentence
-from stair_inspector.files.exports import csv_bytes, debug_ply_bytes, inspection_to_dict
+from stair_inspector.content.records import inspection_to_dict
+from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
 from stair_inspector.model import SURVEY_VALUES, Observation
 from stair_inspector.pipeline import inspect
 from stair_inspector.stages.withhold import withhold
+from stair_inspector.writers.csv import csv_bytes
+from stair_inspector.writers.debug_ply import debug_ply_bytes
+from stair_inspector.writers.text import check_text
 from tests.synthetic import Stair, exact_params
 
 ASKED = Observation("unit_unsure", "question", "inches or centimetres: both fit", None, "--unit in")

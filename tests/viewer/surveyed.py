@@ -6,8 +6,8 @@ import numpy as np
 
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.model import Flight, Measured, Note, Patch, Scan, Statistics
+from stair_inspector.pictures.display import choose_display
 from stair_inspector.pipeline import inspect
-from stair_inspector.report.pictures.display import choose_display
 from tests.synthetic import Stair, exact_params, make_scan, motion
 
 PALETTE = read_palette("page")

@@ -14,12 +14,12 @@ import viser._messages as messages
 from websockets.sync.client import connect
 
 from stair_inspector import cli
+from stair_inspector.content.fields import ReportBasis, ReportFields
 from stair_inspector.errors import ConfigError
 from stair_inspector.params import Params
-from stair_inspector.report.fields import ReportBasis, ReportFields
 from stair_inspector.viewer import app as app_module
 from stair_inspector.viewer.app import App, is_loopback
-from stair_inspector.viewer.library import DEFAULT_UPLOAD_LIMIT_MB, label_scans
+from stair_inspector.viewer.state.library import DEFAULT_UPLOAD_LIMIT_MB, label_scans
 
 SCAN = [Path("a.ply")]
 

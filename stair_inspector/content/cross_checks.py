@@ -1,0 +1,253 @@
+"""Two checks of the scan that do not need a code: do the rises close, and do readings by hand agree?"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stair_inspector.codes.quantities import OWN_PARTS, combined, part_of
+from stair_inspector.content.cells import QUANTITY_WORDS, lengths, mm, with_u
+from stair_inspector.content.document import Cell, Column, Number, Status, Table, Tone, plain
+from stair_inspector.content.fields import ReportBasis
+from stair_inspector.content.readings import TapeReading
+from stair_inspector.content.values import flight_rise, flight_run, plane_to_plane
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.model import Inspection, Measured, Step
+
+_LINES = ("left", "centre", "right")
+_CLOSURE_DIGITS, _FINEST_DIGITS = 2, 6
+"""Decimals of a millimetre in the closure check: as many as are shown, and no more than are kept."""
+_SLIP_SHARE = 0.1
+"""Of a length: a reading that is farther from the scan is most likely one of another place or unit."""
+_LEAST_RISE_M = 0.1
+"""Taken for a rise that was not measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """A reading by hand beside the scan: metres or degrees, ``difference`` is by hand less scan."""
+
+    reading: TapeReading
+    place: str
+    scanned: Measured | None
+    difference: float | None
+    result: Status
+
+
+def closure_table(inspection: Inspection) -> Table:
+    """Return the sum of each flight's rises against the height between the planes at its two ends."""
+    columns = (
+        Column("Flight", digits=0),
+        *with_u("Sum of rises", "mm", 1),
+        Column("Plane to plane", "mm", 1),
+        Column("Difference", "mm", _CLOSURE_DIGITS),
+        Column("U of the difference", "mm", _CLOSURE_DIGITS),
+        Column("Result", width=2.0),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    tones: list[tuple[int, Tone]] = []
+    for flight in inspection.flights:
+        rises, planes = flight_rise(inspection, flight), plane_to_plane(inspection, flight)
+        if rises is None or planes is None:
+            why = "a rise was not measured" if rises is None else "the surface at its foot was not seen as a plane"
+            rows.append(
+                (flight.flight_id, *lengths(rises), mm(planes), None, None, Status(f"not possible: {why}", "plain"))
+            )
+            continue
+        difference = _of_the_ends(rises.value - planes, rises)
+        is_closed = abs(difference.value) <= difference.u
+        words = "closes within U" if is_closed else "differs by more than U"
+        rows.append(
+            (
+                flight.flight_id,
+                *lengths(rises),
+                mm(planes),
+                *_told_apart(*lengths(difference)),
+                Status(words, "good" if is_closed else "close"),
+            )
+        )
+        if not is_closed:
+            tones.append((len(rows) - 1, "close"))
+    note = (
+        "The sum of the rises, taken at the nosings on the centre line, against the height between the plane fitted to "
+        "all points of the surface at the foot and that fitted to all points of the topmost step, at the same places. "
+        "The nosings in between cancel: the check tells of the two end surfaces only. So do vertical and scale: U of "
+        "the difference is made of noise, edge and registration. A nosing strip that stands proud, a worn or "
+        "bowed surface, or parts of a surface that stations saw at different heights, show as a difference."
+    )
+    return Table(
+        "closure",
+        "Closure check",
+        columns,
+        tuple(rows),
+        note,
+        "Nothing to close: no flight was measured.",
+        tuple(tones),
+    )
+
+
+def _told_apart(difference_mm: float | None, u_mm: float | None) -> tuple[Cell, Cell]:
+    """Return a difference and its uncertainty with the decimals that show which of them is the larger."""
+    if difference_mm is None or u_mm is None:
+        return difference_mm, u_mm
+    is_larger = abs(difference_mm) > u_mm
+    for digits in range(_CLOSURE_DIGITS, _FINEST_DIGITS):
+        if (round(abs(difference_mm), digits) > round(u_mm, digits)) is is_larger:
+            break
+    else:
+        digits = _FINEST_DIGITS
+    if digits == _CLOSURE_DIGITS:
+        return difference_mm, u_mm
+    return Number(difference_mm, digits), Number(u_mm, digits)
+
+
+def _of_the_ends(value_m: float, rises: Measured) -> Measured:
+    """Return a difference of two heights between the same places, with what of the rises' uncertainty is left in it.
+
+    Both heights have the same vertical and scale. The points at the nosings are not all of the surface's, and may have
+    been seen from other stations: all but those two stays.
+    """
+    parts = {name: part_of(rises, name) for name in OWN_PARTS}
+    return combined(value_m, parts)
+
+
+def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
+    """Return the readings by hand beside the scan's values, in millimetres or degrees."""
+    columns = (
+        Column("Place"),
+        Column("Quantity"),
+        Column("Unit"),
+        Column("By hand", digits=1),
+        Column("U by hand", digits=1, is_u=True),
+        Column("Scan", digits=1),
+        Column("U of the scan", digits=1, is_u=True),
+        Column("Difference", digits=1),
+        Column("Result"),
+        Column("Instrument and note", width=1.6),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    tones: list[tuple[int, Tone]] = []
+    for reading in basis.readings:
+        scale, unit, digits = (1000.0, "mm", 1) if reading.unit == "m" else (1.0, "°", 2)
+        found = compared(inspection, reading)
+        scanned, difference, result = found.scanned, found.difference, found.result
+        if result.tone in ("bad", "close"):
+            tones.append((len(rows), result.tone))
+        rows.append(
+            (
+                found.place,
+                QUANTITY_WORDS[reading.quantity],
+                unit,
+                Number(round(reading.value * scale, 6), digits),
+                None if reading.u is None else round(reading.u * scale, 6),
+                None if scanned is None else Number(round(scanned.value * scale, 6), digits),
+                None if scanned is None else round(scanned.u * scale, 6),
+                None if difference is None else Number(round(difference * scale, 6), digits),
+                result,
+                said_of(reading),
+            )
+        )
+    note = (
+        "Difference: by hand less scan. The two agree when they differ by no more than the root of the sum of the "
+        "squares of both U; where none is stated for the reading, whether they agree is not judged."
+    )
+    if any(reading.line != "centre" for reading in basis.readings):
+        note += " For the left and right lines no U is worked out: that of the centre line stands there."
+    return Table(
+        "readings",
+        "Readings by hand",
+        columns,
+        tuple(rows),
+        note,
+        "No reading by hand was entered. Three to five readings of a tape or a digital level are a check of the scan "
+        "that does not depend on it.",
+        tuple(tones),
+    )
+
+
+def compared(inspection: Inspection, reading: TapeReading) -> Compared:
+    """Compare a reading with the scan's value at its place."""
+    step = _step_of(inspection, reading)
+    scanned = _of_flight(inspection, reading) if reading.flight is not None else _of_step(step, reading)
+    return Compared(
+        reading,
+        _place_of(reading, step),
+        scanned,
+        None if scanned is None else reading.value - scanned.value,
+        _agreement(reading, step, scanned),
+    )
+
+
+def said_of(reading: TapeReading) -> str:
+    """Return the instrument and the note of a reading."""
+    return "; ".join(plain(part) for part in (reading.instrument, reading.note) if part)
+
+
+def _of_flight(inspection: Inspection, reading: TapeReading) -> Measured | None:
+    flight = next((flight for flight in inspection.flights if flight.flight_id == reading.flight), None)
+    if flight is None:
+        return None
+    of_flight: Mapping[str, Callable[[], Measured | None]] = {
+        "flight_rise": lambda: flight_rise(inspection, flight),
+        "flight_run": lambda: flight_run(inspection, flight),
+        "pitch": lambda: flight.pitch_deg,
+        "width": lambda: flight.width_m,
+    }
+    return of_flight[reading.quantity]()
+
+
+def _of_step(step: Step | None, reading: TapeReading) -> Measured | None:
+    if step is None:
+        return None
+    value: Measured | None = getattr(step, f"{reading.quantity}_{reading.unit}")
+    if value is None or reading.line == "centre":
+        return value
+    on_lines: tuple[float | None, ...] | None = getattr(step, f"{reading.quantity}_lcr_{reading.unit}")
+    there = None if on_lines is None else on_lines[_LINES.index(reading.line)]
+    # No uncertainty is worked out on the outer lines; the note under the table says whose it is.
+    return None if there is None else Measured(there, value.u)
+
+
+def _step_of(inspection: Inspection, reading: TapeReading) -> Step | None:
+    """Return the step that was read: the one at its place, or of its number where the place is not known."""
+    if reading.step is None or reading.at is None:
+        return next((step for step in inspection.steps if step.step_id == reading.step), None)
+    place = np.array(reading.at) - inspection.scan.origin_m
+    nearest = min(inspection.steps, key=lambda step: float(np.linalg.norm(step.plane.centroid - place)), default=None)
+    return nearest if nearest is not None and _is_at(nearest, place, inspection.up.vector) else None
+
+
+def _is_at(step: Step, place: Floats, up: Floats) -> bool:
+    """Return whether a place is on a step: within half a rise of its height and half its diagonal in plan."""
+    away = place - step.plane.centroid
+    height = float(away @ up)
+    rise_m = _LEAST_RISE_M if step.rise_m is None else step.rise_m.value
+    diagonal_m = float(np.linalg.norm(step.corners[2] - step.corners[0]))
+    return abs(height) < rise_m / 2.0 and float(np.linalg.norm(away - height * up)) < diagonal_m / 2.0
+
+
+def _place_of(reading: TapeReading, step: Step | None) -> str:
+    if reading.flight is not None:
+        return f"flight {reading.flight}"
+    on_line = "" if reading.line == "centre" else f", {reading.line}"
+    if step is None and reading.at is not None:
+        return f"former step {reading.step}{on_line}"
+    if step is None or step.step_id == reading.step:
+        return f"step {reading.step}{on_line}"
+    return f"step {step.step_id}{on_line} (was {reading.step})"
+
+
+def _agreement(reading: TapeReading, step: Step | None, scanned: Measured | None) -> Status:
+    if step is None and reading.at is not None:
+        return Status("its step is no longer in the result", "close")
+    if scanned is None:
+        return Status("not in the scan", "plain")
+    difference = abs(reading.value - scanned.value)
+    if reading.u is None:
+        if reading.unit == "m" and reading.quantity != "nosing_overhang" and difference > _SLIP_SHARE * scanned.value:
+            return Status("far from the scan: check place and unit; U of the reading not stated", "close")
+        return Status("U of the reading not stated", "plain")
+    if difference <= math.hypot(scanned.u, reading.u):
+        return Status("agrees", "good")
+    return Status("differs by more than U", "bad")

@@ -1,0 +1,73 @@
+"""The tables of what the numbers rest on: parts of the uncertainty, surfaces, notes."""
+
+from stair_inspector.codes.quantities import COMMON_PARTS, OWN_PARTS, part_of
+from stair_inspector.content.cells import QUANTITY_WORDS, mm
+from stair_inspector.content.document import Column, Table
+from stair_inspector.content.note_words import note_words
+from stair_inspector.model import SURVEY_VALUES, Inspection, Measured
+
+_PARTS = (*OWN_PARTS, *COMMON_PARTS)
+
+
+def budget_table(inspection: Inspection) -> Table:
+    """Return the largest uncertainty of each quantity and, for that step, what it is made of."""
+    columns = (
+        Column("Quantity"),
+        Column("Unit"),
+        Column("Smallest U", digits=2, is_u=True),
+        Column("Largest U", digits=2, is_u=True),
+        *(Column(name.capitalize(), digits=2, is_u=True) for name in _PARTS),
+        Column("Largest at step", digits=0),
+    )
+    rows = []
+    for name in SURVEY_VALUES:
+        found: list[tuple[int, Measured]] = [
+            (step.step_id, value) for step in inspection.steps if (value := getattr(step, name)) is not None
+        ]
+        if not found:
+            continue
+        scale, unit = (1000.0, "mm") if name.endswith("_m") else (1.0, "°")
+        step_id, worst = max(found, key=lambda pair: pair[1].u)
+        parts = [round(part_of(worst, part) * scale, 6) or None for part in _PARTS]
+        least = min(value.u for _, value in found)
+        words = QUANTITY_WORDS[name.rpartition("_")[0]]
+        rows.append((words, unit, round(least * scale, 6), round(worst.u * scale, 6), *parts, step_id))
+    note = (
+        "The parts are those of the largest U, each expanded (k = 2); U is the root of the sum of their squares. "
+        "– has no weight."
+    )
+    return Table("budget", "What the uncertainty is made of", columns, tuple(rows), note, "Nothing was measured.")
+
+
+def surfaces_table(inspection: Inspection) -> Table:
+    """Return every surface that was found, what it was taken for, and why."""
+    columns = (
+        Column("Surface", digits=0),
+        Column("Height", "mm", 1),
+        Column("Area", "m²", 3),
+        Column("Points", digits=0),
+        Column("Taken for"),
+        Column("Step", digits=0),
+        Column("Reason", width=4.0),
+    )
+    rows = tuple(
+        (
+            patch.patch_id,
+            mm(patch.height_m),
+            patch.area_m2,
+            patch.plane.n_points,
+            patch.kind,
+            patch.step_id,
+            note_words(patch.reason or ""),
+        )
+        for patch in inspection.patches
+    )
+    note = "Height: mean height in the scan's own frame."
+    return Table("surfaces", "Surfaces found in the scan", columns, rows, note, "No surface was kept.")
+
+
+def notes_table(inspection: Inspection) -> Table:
+    """Return the notes of the measurement, numbered."""
+    columns = (Column("Note"), Column("Step", digits=0), Column("What the measurement says", width=8.0))
+    rows = tuple((f"N{number}", note.step, note_words(note.message)) for number, note in enumerate(inspection.notes, 1))
+    return Table("notes", "Notes of the measurement", columns, rows, empty="The measurement left no note.")

@@ -1,0 +1,414 @@
+"""What goes into a report, and in which order: from an inspection, a check and the user's fields to a document."""
+
+import dataclasses
+from collections.abc import Iterable
+from datetime import datetime
+from decimal import Decimal
+from typing import Any
+
+from stair_inspector import __version__
+from stair_inspector.codes.findings import DECISIONS, Check
+from stair_inspector.content import cross_checks, grounds, rule_tables, tables, wording
+from stair_inspector.content.document import (
+    EMPTY,
+    Block,
+    Bullets,
+    Cell,
+    Column,
+    Document,
+    Facts,
+    Figure,
+    KeyFigure,
+    KeyFigures,
+    Number,
+    Paragraph,
+    Section,
+    Signatures,
+    Table,
+    plain,
+)
+from stair_inspector.content.examination import examination_table
+from stair_inspector.content.fields import FIELD_GROUPS, ReportBasis, ReportFields
+from stair_inspector.content.note_words import note_words
+from stair_inspector.content.records import overrule_records
+from stair_inspector.model import Inspection, Statistics
+from stair_inspector.params import GROUPS, Knob, Params, fields_of
+from stair_inspector.units import tidy
+
+_TITLE = "Stair survey report"
+_SIGN_OFF = "Sign-off"
+_FRONT_FIELDS = ("client", "site", "building", "stair", "survey_date", "inspector")
+"""What stands under the title."""
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Pictures:
+    """The report's pictures by the place at which they stand; any of them may be missing."""
+
+    front: tuple[Figure, ...] = ()
+    views: tuple[Figure, ...] = ()
+    bars: tuple[Figure, ...] = ()
+    nosing_lines: tuple[Figure, ...] = ()
+    residuals: tuple[Figure, ...] = ()
+    drawings: tuple[Figure, ...] = ()
+
+
+def build(
+    inspection: Inspection,
+    check: Check | None,
+    basis: ReportBasis,
+    made_at: datetime,
+    pictures: Pictures | None = None,
+) -> Document:
+    """Return a report's content: the same input gives the same document.
+
+    Parameters
+    ----------
+    inspection : Inspection
+        The result, with or without a staircase.
+    check : Check, optional
+        The same inspection held against a rule set.
+    basis : ReportBasis
+        What the user adds.
+    made_at : datetime
+        Date and time that the report bears: the only thing that differs between two reports of the same input.
+    pictures : Pictures, optional
+        See :func:`stair_inspector.writers.figures.draw_pictures`.
+    """
+    pictures = pictures or Pictures()
+    sections: list[tuple[str, list[Block]]] = [
+        ("Summary", _summary(inspection, check)),
+        ("Identification", _identification(basis, check)),
+        ("Instrument and scan", _instrument(inspection, basis)),
+        ("Views", _views(pictures, basis)),
+        ("Dimensions of the steps", _steps(inspection, check, pictures)),
+        ("Uniformity", _uniformity(inspection, pictures)),
+        ("Check against the rule set", _check(inspection, check)),
+        ("Closure and readings by hand", _closure(inspection, basis)),
+        ("Plan and section", list(pictures.drawings)),
+        ("Accuracy and uncertainty", _accuracy(inspection)),
+        ("Limitations and what was not assessed", _limitations(inspection, check, basis)),
+        (_SIGN_OFF, _sign_off(basis)),
+    ]
+    appendices: list[tuple[str, list[Block]]] = [
+        ("Settings and decisions", _settings(inspection)),
+        ("Notes of the measurement", [grounds.notes_table(inspection)]),
+        # Heights of treads are rises by a subtraction.
+        ("Surfaces found in the scan", [] if inspection.is_withheld else [grounds.surfaces_table(inspection)]),
+        ("Quantities of the paper's method", [] if inspection.is_withheld else [tables.paper_table(inspection)]),
+    ]
+    numbered = [(str(number), *section) for number, section in enumerate(_filled(sections), 1)]
+    lettered = [(chr(ord("A") + k), *section) for k, section in enumerate(_filled(appendices))]
+    fields = basis.fields
+    return Document(
+        title=plain(fields.title) or _TITLE,
+        identity=tuple((ReportFields.label_of(name), plain(getattr(fields, name))) for name in _FRONT_FIELDS),
+        firm=plain(fields.firm),
+        logo=basis.logo,
+        reference=_reference(fields),
+        made_at=made_at,
+        paper=basis.paper,
+        front=tuple(_front(inspection, check, pictures)),
+        sections=tuple(
+            Section(number, title, tuple(blocks), starts_page=number in ("1", "A"))
+            for number, title, blocks in (*numbered, *lettered)
+        ),
+    )
+
+
+def _has_values(inspection: Inspection) -> bool:
+    """Return whether there is a value of the survey: where one is withheld, tables of dashes would say nothing."""
+    return bool(inspection.flights) and not inspection.is_withheld
+
+
+def _filled(sections: Iterable[tuple[str, list[Block]]]) -> list[tuple[str, list[Block]]]:
+    return [(title, blocks) for title, blocks in sections if blocks]
+
+
+def _reference(fields: ReportFields) -> str:
+    parts = (("Report", fields.report_number), ("revision", fields.revision))
+    return ", ".join(f"{word} {plain(text)}" for word, text in parts if text)
+
+
+def _front(inspection: Inspection, check: Check | None, pictures: Pictures) -> list[Block]:
+    status = None if check is None else wording.verdict_of(check)
+    blocks: list[Block] = [Paragraph(wording.result_sentence(inspection, check), "lead")]
+    changed = "" if check is None else wording.changed_limits_sentence(check)
+    if changed:
+        blocks.append(Paragraph(changed))
+    if inspection.examination:
+        blocks.append(examination_table(inspection))
+    figures = _key_figures(inspection)
+    if figures or status is not None:
+        blocks.append(KeyFigures(figures, status))
+    return [*blocks, *pictures.front]
+
+
+def _key_figures(inspection: Inspection) -> tuple[KeyFigure, ...]:
+    """Return the numbers that one looks for first, over all flights."""
+    flights = inspection.flights
+    if not _has_values(inspection):
+        return ()
+    found = [
+        KeyFigure(
+            str(sum(flight.n_risers for flight in flights)), "", "risers" if len(flights) == 1 else "risers in all"
+        )
+    ]
+    for name, label in (("rise", "mean rise"), ("going", "mean going")):
+        known: list[Statistics] = [each for flight in flights if (each := getattr(flight, name)) is not None]
+        if known:
+            mean_m = sum(each.mean * each.n for each in known) / sum(each.n for each in known)
+            found.append(KeyFigure(_fixed(mean_m * 1000.0, 1), "mm", label))
+    pitches = [flight.pitch_deg for flight in flights if flight.pitch_deg is not None]
+    if pitches:
+        shown = dict.fromkeys(_fixed(pitch.value, 1) for pitch in pitches)
+        found.append(KeyFigure(" / ".join(shown) if len(shown) < 3 else _range(list(shown)), "°", "pitch"))
+    rises = [flight.rise for flight in flights if flight.rise is not None and flight.rise.max_adjacent is not None]
+    if rises:
+        worst = max(rises, key=lambda each: each.max_adjacent or 0.0)
+        steps = "" if worst.at is None else f", steps {worst.at[0]} and {worst.at[1]}"
+        found.append(
+            KeyFigure(
+                _fixed((worst.max_adjacent or 0.0) * 1000.0, 1), "mm", f"largest step-to-step change of rise{steps}"
+            )
+        )
+    return tuple(found)
+
+
+def _range(shown: list[str]) -> str:
+    ordered = sorted(shown, key=float)
+    return f"{ordered[0]}–{ordered[-1]}"
+
+
+def _fixed(value: float, digits: int) -> str:
+    return f"{tidy(value, digits):.{digits}f}"
+
+
+def _summary(inspection: Inspection, check: Check | None) -> list[Block]:
+    blocks: list[Block] = []
+    if check is not None:
+        outside = wording.outside_sentences(check)
+        if outside:
+            blocks.append(Bullets(outside))
+        changed = wording.changed_limits_sentence(check)
+        if changed:
+            blocks.append(Paragraph(changed, "remark"))
+    if _has_values(inspection):
+        blocks.append(tables.flights_table(inspection))
+    if check is not None and _has_values(inspection):
+        blocks.append(rule_tables.results_table(check))
+        blocks.append(Paragraph(_decision_words(check), "remark"))
+    # Where nothing was measured a row for each rule would say the same as all others.
+    return blocks or [Paragraph(wording.result_sentence(inspection, check))]
+
+
+def _decision_words(check: Check) -> str:
+    return f"Decision rule: {plain(DECISIONS[check.decision])}"
+
+
+def _identification(basis: ReportBasis, check: Check | None) -> list[Block]:
+    groups = ("Report", "Object", "Survey", "Conditions", "Commission")
+    blocks: list[Block] = [_facts(group, basis.fields) for group in groups]
+    code = "no rule set was applied" if check is None else wording.code_words(check)
+    last = blocks[-1]
+    assert isinstance(last, Facts)
+    blocks[-1] = dataclasses.replace(last, items=(*last.items[:-1], ("Reference code", code), last.items[-1]))
+    return blocks
+
+
+def _facts(group: str, fields: ReportFields) -> Facts:
+    """Return a group of the user's fields; what needs room has a line of its own."""
+    names = FIELD_GROUPS[group]
+    items = tuple((ReportFields.label_of(name), plain(getattr(fields, name))) for name in names)
+    return Facts(group.lower().replace("-", "_"), group, items)
+
+
+def _instrument(inspection: Inspection, basis: ReportBasis) -> list[Block]:
+    scan, up = inspection.scan, inspection.up
+    vector = ", ".join(f"{tidy(component, 6):.6f}" for component in up.vector)
+    source = {"given": "given by the user", "floor": "normal of the floor", "treads": "normal of the treads"}[up.source]
+    origin = ", ".join(f"{tidy(coordinate, 3):.3f}" for coordinate in scan.origin_m)
+    count = Column("", digits=0)
+    items = (
+        ("Scan file", plain(scan.name)),
+        ("SHA-256", plain(scan.sha256)),
+        ("Points in the file", count.text(scan.n_points)),
+        ("Points used", count.text(scan.n_used)),
+        ("Unit of the file", plain(scan.unit)),
+        ("Origin taken off", f"{origin} m"),
+        ("Up vector", f"{vector} ({source})"),
+        ("U of the vertical", "not stated" if up.u_deg is None else f"{_fixed(up.u_deg, 3)}° (k = 2)"),
+        ("Method", "survey, nosing to nosing" if inspection.params.method == "survey" else "paper (Joo et al.)"),
+        ("Software", f"stair_inspector {__version__}"),
+    )
+    return [
+        _facts("Instrument", basis.fields),
+        _facts("Scanning", basis.fields),
+        Facts("scan", "Scan", items, columns=1),
+    ]
+
+
+def _views(pictures: Pictures, basis: ReportBasis) -> list[Block]:
+    photos = [
+        Figure(
+            f"photo_{number}",
+            f"Photograph {number}" + (f": {plain(photo.caption)}" if photo.caption else ""),
+            plain(photo.caption) or f"photograph {number} of the site",
+            "jpeg",
+            photo.data,
+            0.5,
+        )
+        for number, photo in enumerate(basis.photos, 1)
+    ]
+    return [*pictures.views, *photos]
+
+
+def _steps(inspection: Inspection, check: Check | None, pictures: Pictures) -> list[Block]:
+    if not _has_values(inspection):
+        return []
+    return [
+        tables.steps_table(inspection, check),
+        *pictures.bars,
+        Bullets(wording.DEFINITIONS),
+        tables.evidence_table(inspection, check),
+        *pictures.residuals,
+    ]
+
+
+def _uniformity(inspection: Inspection, pictures: Pictures) -> list[Block]:
+    return [tables.uniformity_table(inspection), *pictures.nosing_lines] if _has_values(inspection) else []
+
+
+def _check(inspection: Inspection, check: Check | None) -> list[Block]:
+    if check is None:
+        return []
+    rules = check.rule_set
+    items = (
+        ("Rule set", plain(rules.name)),
+        ("Edition", plain(rules.edition)),
+        ("Variant", plain(rules.variant) or "general"),
+        ("Id", plain(rules.set_id)),
+        ("Source", plain(rules.source)),
+        ("Rule file", plain(rules.file) or EMPTY),
+        ("SHA-256 of the file", plain(rules.sha256) or EMPTY),
+        ("Edited by the user", rules.edited_words),
+        ("Overlays", "; ".join(plain(words) for words in rules.overlays) or "none"),
+    )
+    blocks: list[Block] = [Facts("rule_set", "Rule set", items, columns=1), Paragraph(_decision_words(check))]
+    if rules.is_edited:
+        blocks.append(rule_tables.edits_table(check))
+    if _has_values(inspection):
+        blocks.append(rule_tables.by_step_table(inspection, check))
+    blocks.append(rule_tables.findings_table(check))
+    if _has_values(inspection):
+        blocks.append(rule_tables.fits_table(check))
+    if check.notes:
+        blocks.append(Bullets(tuple(note_words(note) for note in check.notes)))
+    return blocks
+
+
+def _closure(inspection: Inspection, basis: ReportBasis) -> list[Block]:
+    closure: list[Block] = [cross_checks.closure_table(inspection)] if _has_values(inspection) else []
+    return [*closure, cross_checks.readings_table(inspection, basis)]
+
+
+def _accuracy(inspection: Inspection) -> list[Block]:
+    sentences: list[Block] = [Paragraph(sentence) for sentence in wording.uncertainty_sentences(inspection)]
+    return [*sentences, *([grounds.budget_table(inspection)] if _has_values(inspection) else [])]
+
+
+def _limitations(inspection: Inspection, check: Check | None, basis: ReportBasis) -> list[Block]:
+    blocks: list[Block] = [Bullets(wording.limitation_sentences(inspection, check))]
+    further = plain(basis.fields.limitations)
+    blocks.append(
+        Facts("limitations", "Stated by the inspector", ((ReportFields.label_of("limitations"), further),), 1)
+    )
+    if check is not None and check.not_assessed:
+        blocks.append(Paragraph(f"Not assessed, though {plain(check.rule_set.title)} limits it:"))
+        blocks.append(Bullets(tuple(plain(sentence) for sentence in check.not_assessed)))
+    blocks.append(rule_tables.checklist_table(basis.checklist))
+    return blocks
+
+
+def _sign_off(basis: ReportBasis) -> list[Block]:
+    fields = basis.fields
+    inspector = (
+        ("Name", plain(fields.signed_by or fields.inspector)),
+        ("Function", plain(fields.signed_as)),
+        ("Licence", plain(fields.licence)),
+        ("Date", plain(fields.signed_on)),
+    )
+    reviewer = (("Name", plain(fields.reviewed_by)), ("Date", plain(fields.reviewed_on)))
+    words = (
+        "The measurements were made with the instrument and the settings stated in this report. The numbers come from "
+        "the scan named by its SHA-256; the texts, readings and photographs are the inspector's."
+    )
+    return [Paragraph(words), Signatures((("Inspector", inspector), ("Reviewer", reviewer)))]
+
+
+def _settings(inspection: Inspection) -> list[Block]:
+    return [_overrules_table(inspection), _settings_table(inspection.params)]
+
+
+def _overrules_table(inspection: Inspection) -> Table:
+    """Return what the inspector decided instead of the program, with reasons, as the JSON lists it."""
+    rows: list[tuple[Cell, ...]] = []
+    for entry in overrule_records(inspection.params):
+        rest = {name: value for name, value in entry.items() if name not in ("what", "kind", "reason")}
+        decided = entry.get("kind") or "; ".join(f"{name} {value}" for name, value in rest.items())
+        rows.append((plain(entry["what"]), plain(decided), plain(entry.get("reason") or "")))
+    columns = (Column("What", width=2.0), Column("Decided", width=2.0), Column("Reason", width=3.0))
+    return Table(
+        "overrules",
+        "What the inspector decided instead of the program",
+        columns,
+        tuple(rows),
+        empty="The inspector overruled nothing: no step was added, taken away or fitted again by hand.",
+    )
+
+
+def _settings_table(params: Params) -> Table:
+    """Return every setting with its default; those that differ are marked."""
+    columns = (
+        Column("Setting", width=2.0),
+        Column("Meaning", width=2.0),
+        Column("Value", digits=0),
+        Column("Unit"),
+        Column("Default", digits=0),
+        Column("Changed"),
+    )
+    defaults = Params()
+    rows: list[tuple[Cell, ...]] = []
+    for name, knob in _all_settings():
+        value, default = params.value(name), defaults.value(name)
+        label = "" if knob is None else f"{knob.label} {knob.symbol}".strip()
+        rows.append(
+            (
+                name,
+                label,
+                _setting_cell(value, knob),
+                "" if knob is None else knob.display_unit,
+                _setting_cell(default, knob),
+                "" if value == default else "changed",
+            )
+        )
+    note = (
+        "The numbers of this report are those of these settings: the same scan with the same settings gives them again."
+    )
+    return Table("settings", "Settings", columns, tuple(rows), note)
+
+
+def _all_settings() -> list[tuple[str, Knob | None]]:
+    single = [(name, knob) for name, (_, knob) in fields_of(Params).items() if name not in GROUPS]
+    grouped = [
+        (f"{group}.{name}", knob) for group, kind in GROUPS.items() for name, (_, knob) in fields_of(kind).items()
+    ]
+    return single + grouped
+
+
+def _setting_cell(value: Any, knob: Knob | None) -> Cell:
+    if knob is None or isinstance(value, (str, bool)):
+        return plain(value) or "(empty)"
+    shown = knob.shown(float(value))
+    exponent = Decimal(repr(shown)).normalize().as_tuple().exponent
+    return Number(shown, max(0, -exponent) if isinstance(exponent, int) else 0)

@@ -1,0 +1,30 @@
+"""What a project keeps for its report, as values: read strictly wherever a project is opened."""
+
+import dataclasses
+
+from stair_inspector.content.fields import ReportBasis, ReportFields, basis_from_dict
+from stair_inspector.errors import ConfigError
+from stair_inspector.files.projects import Project
+
+
+def basis_of(project: Project, place: str = "") -> ReportBasis:
+    """Return what the user gave for the report of a project; ``place`` names its file, for the messages.
+
+    Raises
+    ------
+    ConfigError
+        Unknown keys, or values that are not possible.
+    """
+    try:
+        return basis_from_dict(dict(project.report))
+    except ConfigError as error:
+        raise ConfigError(f"{place}: {error}" if place else str(error)) from error
+    except RecursionError as error:
+        # What JSON's reader just manages may be too deep for the message that shows it.
+        raise ConfigError(f"{place or 'report'}: is nested too deeply; give another file") from error
+
+
+def titled(basis: ReportBasis, title: str) -> ReportBasis:
+    """Return the basis whose report bears the inspection's title, unless the fields have one of their own."""
+    fields: ReportFields = basis.fields
+    return basis if fields.title else dataclasses.replace(basis, fields=dataclasses.replace(fields, title=title))

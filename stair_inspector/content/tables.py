@@ -1,0 +1,257 @@
+"""The tables of what was measured: flights, steps, uniformity, and the quantities of the paper."""
+
+import statistics
+from collections.abc import Iterable
+
+from stair_inspector.codes.at_steps import findings_at_steps, outside_at_steps
+from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
+from stair_inspector.codes.quantities import step_value
+from stair_inspector.content.cells import QUANTITY_WORDS, angles, lengths, mm, pair, rounded, with_u
+from stair_inspector.content.document import Cell, Column, Table, Tone
+from stair_inspector.content.values import diagonal_m, flight_rise, flight_run, steps_of
+from stair_inspector.model import Inspection, Statistics, Step
+
+_LINES = ("left", "centre", "right")
+_BEYOND = (Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE, Verdict.WITHIN_CLOSE)
+"""What a step is flagged for, the gravest first."""
+
+
+def flights_table(inspection: Inspection) -> Table:
+    """Return one row per flight: risers, total rise and run, mean rise and going, pitch, width.
+
+    A radius, and what is seen and was not measured, have columns where a flight has them.
+    """
+    flights = inspection.flights
+    has_radius = any(flight.radius_m is not None for flight in flights)
+    has_more = any(flight.goes_on is not None for flight in flights)
+    columns = (
+        Column("Flight", digits=0),
+        Column("Shape"),
+        Column("Risers", digits=0),
+        *with_u("Total rise", "mm", 1),
+        *with_u("Total run", "mm", 1),
+        Column("Mean rise", "mm", 1),
+        Column("Mean going", "mm", 1),
+        *with_u("Pitch", "°", 2),
+        *with_u("Tread width", "mm", 1),
+        *(with_u("Radius", "mm", 0) if has_radius else ()),
+        Column("Range of rise", "mm", 1),
+        Column("Largest change of rise", "mm", 1),
+        Column("Between steps"),
+        Column("Range of going", "mm", 1),
+        Column("Largest change of going", "mm", 1),
+        Column("Between these steps"),
+        *((Column("Goes on", width=3.0),) if has_more else ()),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    for flight in flights:
+        rows.append(
+            (
+                flight.flight_id,
+                flight.shape,
+                flight.n_risers,
+                *rounded(lengths(flight_rise(inspection, flight)), 1),
+                *rounded(lengths(flight_run(inspection, flight)), 1),
+                None if flight.rise is None else mm(flight.rise.mean),
+                None if flight.going is None else mm(flight.going.mean),
+                *rounded(angles(flight.pitch_deg), 2),
+                *rounded(lengths(flight.width_m), 1),
+                *(rounded(lengths(flight.radius_m), 0) if has_radius else ()),
+                None if flight.rise is None else mm(flight.rise.range),
+                None if flight.rise is None else mm(flight.rise.max_adjacent),
+                pair(flight.rise),
+                None if flight.going is None else mm(flight.going.range),
+                None if flight.going is None else mm(flight.going.max_adjacent),
+                pair(flight.going),
+                *((flight.goes_on,) if has_more else ()),
+            )
+        )
+    return Table("flights", "Flights", columns, tuple(rows), empty="No flight was found.")
+
+
+def steps_table(inspection: Inspection, check: Check | None) -> Table:
+    """Return the lengths of every step with their uncertainties."""
+    columns = (
+        Column("Step", digits=0),
+        Column("Flight", digits=0),
+        *with_u("Rise", "mm", 1),
+        *with_u("Going", "mm", 1),
+        *with_u("Tread depth", "mm", 1),
+        *with_u("Overhang", "mm", 1),
+        *with_u("Width", "mm", 1),
+        *with_u("2R + G", "mm", 1),
+        *with_u("Pitch", "°", 2),
+        *with_u("Diagonal", "mm", 1),
+    )
+    above = dict(zip(inspection.steps, inspection.steps[1:], strict=False))
+    rows = []
+    for step in inspection.steps:
+        found = (step.rise_m, step.going_m, step.tread_depth_m, step.nosing_overhang_m, step.width_m)
+        cells = [cell for length in (*found, step_value(step, "two_r_plus_g")) for cell in rounded(lengths(length), 1)]
+        diagonal = rounded(lengths(diagonal_m(step, above.get(step))), 1)
+        rows.append((step.step_id, step.flight, *cells, *rounded(angles(step.pitch_deg), 2), *diagonal))
+    note = (
+        "± is the expanded uncertainty U (k = 2). Rise: to this step's nosing. Going: from this nosing to the next. "
+        "Width: of the tread, not the clear width between handrails. Diagonal: from this nosing to the next. "
+        "– was not measured or is not defined; the notes say why."
+    )
+    return Table(
+        "steps", "Steps: dimensions", columns, tuple(rows), note, "No step was found.", _tones(inspection, check)
+    )
+
+
+def evidence_table(inspection: Inspection, check: Check | None) -> Table:
+    """Return slopes, the values on the three lines, and what each step rests on."""
+    columns = (
+        Column("Step", digits=0),
+        Column("Kind"),
+        *with_u("Fall", "°", 2),
+        *with_u("Cross-fall", "°", 2),
+        *(Column(f"Rise {line}", "mm", 1) for line in _LINES),
+        *(Column(f"Going {line}", "mm", 1) for line in _LINES),
+        Column("Points", digits=0),
+        Column("Coverage", "%", 0),
+        Column("Plane RMS", "mm", 2),
+        Column("Flags", width=1.6),
+    )
+    told = {} if check is None else findings_at_steps(inspection, check)
+    rows: list[tuple[Cell, ...]] = []
+    for step in inspection.steps:
+        rows.append(
+            (
+                step.step_id,
+                step.kind,
+                *rounded(angles(step.fall_deg), 2),
+                *rounded(angles(step.cross_fall_deg), 2),
+                *(mm(value) for value in step.rise_lcr_m or (None,) * 3),
+                *(mm(value) for value in step.going_lcr_m or (None,) * 3),
+                step.plane.n_points,
+                None if step.coverage is None else round(100.0 * step.coverage, 6),
+                mm(step.plane.rms_m),
+                _flags(inspection, step, told.get(step.step_id, ())),
+            )
+        )
+    note = (
+        "Fall: positive where the tread falls towards its nosing. Cross-fall: positive where it is higher on the left, "
+        "as seen when climbing. Left, centre, right: on lines at "
+        f"{inspection.params.survey.line_percent:g}, 50 and {100.0 - inspection.params.survey.line_percent:g} % of the "
+        "width from the left. Coverage: share of the tread that holds points. Plane RMS mixes noise and texture; it is "
+        "not the accuracy. Flags: ✗ outside and ≈ close to a limit; N with a number is a note of the list of notes."
+    )
+    return Table(
+        "evidence",
+        "Steps: slopes, lines and evidence",
+        columns,
+        tuple(rows),
+        note,
+        "No step was found.",
+        _tones(inspection, check),
+    )
+
+
+def paper_table(inspection: Inspection) -> Table:
+    """Return the quantities of the paper's method."""
+    columns = (
+        Column("Step", digits=0),
+        Column("Height h", "mm", 1),
+        Column("Front to back d_FB", "mm", 1),
+        Column("Front to front d_FF", "mm", 1),
+        Column("Width W", "mm", 1),
+        Column("Angle θ", "°", 2),
+        Column("Points", digits=0),
+        Column("Plane RMS", "mm", 2),
+    )
+    rows = tuple(
+        (
+            step.step_id,
+            *(mm(value) for value in (step.paper.h_m, step.paper.d_fb_m, step.paper.d_ff_m, step.paper.w_m)),
+            step.paper.theta_deg,
+            step.plane.n_points,
+            mm(step.plane.rms_m),
+        )
+        for step in inspection.steps
+    )
+    note = (
+        "Defined in Joo et al., Robust and Accurate Stair Geometry Extraction Using Point Cloud Data: h from this "
+        "step's centroid to the next one's, edges by percentiles. They differ from rise and going, which run from "
+        "nosing to nosing; no code is judged on them."
+    )
+    return Table("paper", "Quantities of the paper's method", columns, rows, note, "No step was found.")
+
+
+def uniformity_table(inspection: Inspection) -> Table:
+    """Return the statistics of rise and going of each flight, with the neighbours that differ most."""
+    columns = (
+        Column("Flight", digits=0),
+        Column("Quantity"),
+        Column("n", digits=0),
+        Column("Mean", "mm", 1),
+        Column("SD", "mm", 2),
+        Column("Smallest", "mm", 1),
+        Column("Largest", "mm", 1),
+        Column("Range", "mm", 1),
+        Column("Largest difference of neighbours", "mm", 1),
+        Column("Between steps"),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    for flight in inspection.flights:
+        kinds: tuple[tuple[str, Statistics | None, bool], ...] = (
+            ("rise", flight.rise, True),
+            ("going", flight.going, False),
+        )
+        for quantity, found, has_landings in kinds:
+            if found is None:
+                continue
+            values = [
+                value.value
+                for step in steps_of(inspection, flight)
+                if (has_landings or step.kind == "tread") and (value := step_value(step, quantity)) is not None
+            ]
+            rows.append(
+                (
+                    flight.flight_id,
+                    quantity,
+                    found.n,
+                    mm(found.mean),
+                    mm(statistics.stdev(values)) if len(values) > 1 else None,
+                    mm(found.min),
+                    mm(found.max),
+                    mm(found.range),
+                    mm(found.max_adjacent),
+                    pair(found),
+                )
+            )
+    note = "Going: of treads; a landing has none. SD: standard deviation of the single values."
+    return Table("uniformity", "Uniformity", columns, tuple(rows), note, "Nothing to compare: no flight was measured.")
+
+
+def _tones(inspection: Inspection, check: Check | None) -> tuple[tuple[int, Tone], ...]:
+    """Return the tone of the rows of steps that are outside a limit."""
+    outside = {} if check is None else outside_at_steps(inspection, check)
+    return tuple(
+        (row, "bad" if gravest(outside[step.step_id]).verdict is Verdict.OUTSIDE else "close")
+        for row, step in enumerate(inspection.steps)
+        if step.step_id in outside
+    )
+
+
+def _beyond(findings: Iterable[Finding]) -> dict[str, Verdict]:
+    """Return by words what of a step lies outside a limit or advice, or close to one."""
+    told: dict[str, Verdict] = {}
+    for found in findings:
+        if found.verdict not in _BEYOND:
+            continue
+        words = QUANTITY_WORDS[found.rule.quantity]
+        words = {"adjacent_difference": f"{words} to neighbour", "flight_range": f"range of {words}"}.get(
+            found.rule.statistic, words
+        )
+        known = told.get(words)
+        if known is None or _BEYOND.index(found.verdict) < _BEYOND.index(known):
+            told[words] = found.verdict
+    return told
+
+
+def _flags(inspection: Inspection, step: Step, findings: Iterable[Finding]) -> str:
+    judged = [f"{'✗' if verdict is Verdict.OUTSIDE else '≈'} {words}" for words, verdict in _beyond(findings).items()]
+    notes = [f"N{number}" for number, note in enumerate(inspection.notes, 1) if note.step == step.step_id]
+    return ", ".join([*judged, *notes])

@@ -1,0 +1,318 @@
+"""What the points' colours tell: step, height, direction of the surface, distance from the step's plane, or the scan.
+
+Wired in three lines: ``coloring = color_points(mode, ...)``, then ``dataclasses.replace(drawing, colors=...)`` before
+it is shown, then ``legend_html(coloring.legend)``. Edge shading is :func:`shade` over any of them. Nothing here is sent
+twice: the cloud stays, and its colours are replaced.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.files.palettes import Palette, Rgb
+from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels
+from stair_inspector.geometry.fits import PlaneFit
+from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL, Inspection, Patch
+from stair_inspector.pictures.display import REJECTED_COLOR, Display
+from stair_inspector.pictures.legends import Legend, Ramp, colors_on
+from stair_inspector.units import tidy
+
+ColorMode = Literal["Step", "Height", "Normal", "Residual", "Original"]
+
+COLOR_MODES: tuple[ColorMode, ...] = ("Step", "Height", "Normal", "Residual", "Original")
+VIRIDIS: tuple[Rgb, ...] = (
+    (68, 1, 84),
+    (70, 50, 127),
+    (54, 92, 141),
+    (39, 127, 142),
+    (31, 161, 135),
+    (74, 194, 109),
+    (159, 218, 58),
+    (253, 231, 37),
+)
+"""Evenly spaced colours of matplotlib's viridis: even steps look even, in grey and to colour-blind eyes too."""
+DIVERGING: tuple[Rgb, ...] = (
+    (33, 102, 172),
+    (67, 147, 195),
+    (146, 197, 222),
+    (209, 229, 240),
+    (236, 236, 236),
+    (253, 219, 199),
+    (244, 165, 130),
+    (214, 96, 77),
+    (178, 24, 43),
+)
+"""ColorBrewer's RdBu from below (blue) to above (red), safe for colour-blind eyes; grey in the middle, so that it is
+seen on a white page."""
+NOT_COLORED: Rgb = (112, 116, 124)
+"""Of points that have no plane whose distance could be shown."""
+
+_OUTERMOST_PERCENT = 0.5
+_RESIDUAL_PERCENTILE = 95.0
+_LEAST_LIMIT_M = 0.0005
+_MOST_LIMIT_M = 1.0
+_AMBIENT, _DIFFUSE = 0.55, 0.45
+_CREASE_DARKENING = 0.55
+_LIGHT = np.array([-0.45, -0.62, 0.64])
+"""Towards the light, in the axes right of the climber, climb and up: from the lower left, as the first view."""
+_CREASE_CELLS = 3.0
+"""Side of the cells that tell a crease, in spacings of the points."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coloring:
+    """A colour (m, 3) for each displayed point, and what they mean."""
+
+    colors: Colors
+    legend: Legend
+
+
+def read_color_mode(value: object) -> ColorMode:
+    """Return the mode that a control names.
+
+    Raises
+    ------
+    ConfigError
+        It is none of :data:`COLOR_MODES`.
+    """
+    known = next((mode for mode in COLOR_MODES if mode == value), None)
+    if known is None:
+        raise ConfigError(f"colour by: got {str(value)[:40]!r}; give one of {', '.join(COLOR_MODES)}")
+    return known
+
+
+def color_points(
+    mode: ColorMode,
+    inspection: Inspection,
+    display: Display,
+    palette: Palette,
+    *,
+    normals: Floats | None = None,
+    axes: Floats | None = None,
+    limit_m: float | None = None,
+    with_rejected: bool = False,
+) -> Coloring:
+    """Colour the displayed points.
+
+    Parameters
+    ----------
+    mode : ColorMode
+        What the colours tell.
+    inspection, display
+        Of the same scan.
+    palette : Palette
+        Colours of the page.
+    normals : (n, 3), optional
+        Unit normals of all points of the scan, sign free; needed for the mode "Normal" alone.
+    axes : (3, 3), optional
+        Right of the climber, climb and up as rows, local; needed for the mode "Normal" alone.
+    limit_m : float, optional
+        Distance at the ends of the residual's scale, metres; None chooses it from the residuals themselves.
+    with_rejected : bool
+        Whether rejected surfaces have a colour of their own in the mode "Step".
+
+    Raises
+    ------
+    ConfigError
+        The normals are missing, or the limit is not between 0.5 mm and 1 m.
+    """
+    if mode == "Step":
+        return Coloring(step_colors(inspection, display, palette, with_rejected=with_rejected), _step_legend(palette))
+    if mode == "Height":
+        return _by_height(inspection, display)
+    if mode == "Normal":
+        if normals is None or axes is None:
+            raise ConfigError("colour by normal: the normals are not there yet; wait for the result, then try again")
+        return _by_normal(normals[display.point_ids], axes)
+    if mode == "Residual":
+        return _by_residual(residuals_of(inspection, display), limit_m)
+    return Coloring(display.colors, Legend("colours of the scan; grey where it has none"))
+
+
+def step_colors(inspection: Inspection, display: Display, palette: Palette, *, with_rejected: bool = False) -> Colors:
+    """Return the colour of each displayed point's step, the floor, or what is left over."""
+    labels = labels_at(inspection, display.point_ids)
+    colors = palette.of_labels(labels)
+    rejected = rejected_of(inspection) if with_rejected else []
+    if rejected and inspection.patch_ids is not None:
+        patch_ids = inspection.patch_ids[display.point_ids]
+        colors[np.isin(patch_ids, [patch.patch_id for patch in rejected])] = REJECTED_COLOR
+    return colors
+
+
+def labels_at(inspection: Inspection, point_ids: Ints) -> Labels:
+    """Return the label of each of these points: step, floor, or left over, to which a rejected level belongs too."""
+    labels = inspection.labels[point_ids]
+    return np.where(labels > len(inspection.steps), NON_STAIR_LABEL, labels).astype(np.int16)
+
+
+def residuals_of(inspection: Inspection, display: Display) -> Floats:
+    """Return the signed distance (m,) of each displayed point from its step's or the floor's plane, metres.
+
+    Positive above the plane; NaN for a point of no step, and for a surface without a plane.
+    """
+    labels = labels_at(inspection, display.point_ids)
+    residuals = np.full(len(labels), np.nan)
+    planes = [(step.step_id, step.plane) for step in inspection.steps]
+    if inspection.floor is not None:
+        planes.append((FLOOR_LABEL, inspection.floor))
+    for label, plane in planes:
+        rows = np.nonzero(labels == label)[0]
+        if plane.normal is not None:
+            residuals[rows] = signed_distance(display.points[rows], plane)
+    return residuals
+
+
+def signed_distance(points: Floats, plane: PlaneFit) -> Floats:
+    """Return the distance (n,) of points from a plane that has a normal, metres, positive on the side it points to."""
+    if plane.normal is None:
+        raise ValueError("the plane has no normal")
+    distance: Floats = (points - plane.centroid) @ plane.normal
+    return distance
+
+
+def residual_limit(residuals: Floats) -> float:
+    """Return a round distance at which nearly all residuals lie within the scale, metres: 1, 2 or 5 and zeros."""
+    known = np.abs(residuals[np.isfinite(residuals)])
+    if not len(known):
+        return _LEAST_LIMIT_M
+    wanted = float(np.clip(np.percentile(known, _RESIDUAL_PERCENTILE), _LEAST_LIMIT_M, _MOST_LIMIT_M))
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted * (1.0 - 1e-9)))
+
+
+def residual_legend(limit_m: float, *, with_others: bool = True) -> Legend:
+    """Return the legend of signed distances, millimetres, the same to both sides; with points of no step if drawn."""
+    limit = limit_m * 1000.0
+    ticks = tuple(
+        (share, f"{sign}{limit * abs(2.0 * share - 1.0):g}")
+        for share, sign in ((0.0, "−"), (0.25, "−"), (0.5, ""), (0.75, "+"), (1.0, "+"))
+    )
+    return Legend(
+        "distance from the step's own plane [mm]: − below, + above; larger ones take the end's colour",
+        ((NOT_COLORED, "of no step"),) if with_others else (),
+        Ramp(DIVERGING, ticks),
+    )
+
+
+def color_residuals(residuals: Floats, limit_m: float) -> Colors:
+    """Return the colours (n, 3) of signed distances in metres on the diverging scale; NaN is grey."""
+    colors = colors_on(DIVERGING, 0.5 + 0.5 * np.nan_to_num(residuals) / limit_m)
+    colors[~np.isfinite(residuals)] = NOT_COLORED
+    return colors
+
+
+def crease_of(points: Floats, normals: Floats, spacing_m: float) -> Floats:
+    """Return how sharply the surface turns at each point (m,), 0 on a plane to 1 where two or three planes meet.
+
+    Parameters
+    ----------
+    points : (m, 3), metres
+        Any frame.
+    normals : (m, 3)
+        Their unit normals, sign free, same frame.
+    spacing_m : float
+        Distance of neighbouring points.
+
+    Notes
+    -----
+    In a cube of a few spacings the squares of the eigenvalues of the mean of n nᵀ sum to 1 where all normals are
+    alike, and to 1/2 at a right angle. Two grids, half a cube apart, so that no crease falls between the cubes.
+    """
+    cell = max(_CREASE_CELLS * spacing_m, 1e-9)
+    low = points.min(axis=0)
+    products = [normals[:, i] * normals[:, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    crease = np.zeros(len(points))
+    for shift in (0.0, 0.5):
+        cells = np.floor((points - low) / cell + shift).astype(np.int64)
+        size = cells.max(axis=0) + 1
+        _, owner, counts = np.unique(
+            (cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2], return_inverse=True, return_counts=True
+        )
+        means = [np.bincount(owner, weights=product) / counts for product in products]
+        squares = sum(mean**2 for mean in means[:3]) + 2.0 * sum(mean**2 for mean in means[3:])
+        crease += np.clip(2.0 * (1.0 - squares), 0.0, 1.0)[owner] / 2.0
+    # What half of the points have is their noise: most of a scan is no edge.
+    usual = float(np.median(crease))
+    return np.clip((crease - usual) / max(1.0 - usual, 1e-9), 0.0, 1.0)
+
+
+def shade(colors: Colors, normals: Floats, axes: Floats, crease: Floats | None = None) -> Colors:
+    """Darken colours (m, 3) where the surface turns away from the light, and along creases, so that edges stand out.
+
+    Parameters
+    ----------
+    colors : (m, 3) uint8
+        Of the displayed points.
+    normals : (m, 3)
+        Unit normals of the same points, sign free.
+    axes : (3, 3)
+        Right of the climber, climb and up as rows, in the frame of the normals.
+    crease : (m,), optional
+        From :func:`crease_of`.
+    """
+    light = axes.T @ (_LIGHT / np.linalg.norm(_LIGHT))
+    factor = _AMBIENT + _DIFFUSE * np.abs(normals @ light)
+    if crease is not None:
+        factor *= 1.0 - _CREASE_DARKENING * crease
+    shaded: Colors = np.rint(colors * np.clip(factor, 0.0, 1.0)[:, None]).astype(np.uint8)
+    return shaded
+
+
+def _step_legend(palette: Palette) -> Legend:
+    steps = tuple((color, "") for color in palette.steps[:-1])
+    return Legend(
+        "steps, in turn from bottom to top",
+        (
+            *steps,
+            (palette.steps[-1], "steps"),
+            (palette.floor, "floor"),
+            (palette.non_stair, "other, such as risers"),
+            (REJECTED_COLOR, "rejected surfaces, where shown"),
+        ),
+    )
+
+
+def _by_height(inspection: Inspection, display: Display) -> Coloring:
+    up = inspection.up.vector
+    heights = display.points @ up + float(np.array(inspection.scan.origin_m) @ up)
+    low, high = np.percentile(heights, [_OUTERMOST_PERCENT, 100.0 - _OUTERMOST_PERCENT]) if len(heights) else (0.0, 0.0)
+    span = max(float(high - low), 1e-9)
+    ticks = tuple((share, f"{tidy(low + share * span, 2):.2f}") for share in (0.0, 0.25, 0.5, 0.75, 1.0))
+    return Coloring(
+        colors_on(VIRIDIS, (heights - low) / span),
+        Legend("height in the scan's frame [m]", ramp=Ramp(VIRIDIS, ticks)),
+    )
+
+
+def _by_normal(normals: Floats, axes: Floats) -> Coloring:
+    # The sign of a normal is not known; red, green and blue are the three directions of the stair.
+    shares = np.abs(normals @ axes.T)
+    return Coloring(
+        np.rint(255.0 * np.clip(shares, 0.0, 1.0)).astype(np.uint8),
+        Legend(
+            "direction that a surface faces",
+            (
+                ((0, 0, 255), "up or down: treads"),
+                ((0, 255, 0), "along the climb: risers"),
+                ((255, 0, 0), "sideways: walls, stringers"),
+            ),
+        ),
+    )
+
+
+def _by_residual(residuals: Floats, limit_m: float | None) -> Coloring:
+    if limit_m is None:
+        limit_m = residual_limit(residuals)
+    # A comparison with something that is no number is False.
+    elif not _LEAST_LIMIT_M <= limit_m <= _MOST_LIMIT_M:
+        raise ConfigError(f"colour limit: got {limit_m * 1000.0:g} mm; give 0.5 to 1000 mm")
+    return Coloring(color_residuals(residuals, limit_m), residual_legend(limit_m))
+
+
+def rejected_of(inspection: Inspection) -> list[Patch]:
+    """Return the rejected surfaces, the largest first."""
+    rejected = [patch for patch in inspection.patches if patch.kind == "rejected"]
+    return sorted(rejected, key=lambda patch: (-patch.area_m2, patch.patch_id))

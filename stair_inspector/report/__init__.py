@@ -1,1 +1,0 @@
-"""The report: its pictures, charts, drawings, and the documents they go into."""

@@ -1,0 +1,1 @@
+"""What viser has no public name for, and every script and style of the page."""

@@ -1,0 +1,202 @@
+"""One inspector's runs: the newest wish is computed, progress is told by stage, and all of it can be cancelled."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from stair_inspector.errors import StairError
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.memo import Memo
+from stair_inspector.model import HeightOrder, Inspection, Scan
+from stair_inspector.params import Params, Unit
+from stair_inspector.pipeline import inspect
+from stair_inspector.viewer.bridge.notices import Notices
+from stair_inspector.viewer.compute.worker import Cancelled, Newest, Workshop
+
+T = TypeVar("T")
+
+_PATIENCE_S = 0.2
+"""A run that takes no longer changes the page at once; a longer one is announced."""
+_STAGE_WORDS = {
+    "read": "reading the file",
+    "normals": "estimating normals",
+    "up": "looking for the floor",
+    "plumb": "asking the treads for the vertical",
+    "heights": "sorting by height",
+    "patches": "telling surfaces apart",
+    "bars": "putting bars together",
+    "flights": "looking for flights",
+    "nosings": "finding the nosings",
+    "survey": "measuring the steps",
+}
+_STAGE_PERCENT = {
+    "read": 5.0,
+    "normals": 20.0,
+    "up": 60.0,
+    "plumb": 68.0,
+    "heights": 72.0,
+    "patches": 80.0,
+    "bars": 83.0,
+    "flights": 85.0,
+    "nosings": 88.0,
+    "survey": 95.0,
+}
+"""Where the bar stands when a stage begins."""
+CANCELLED = "cancelled; what is shown is the last good result. Press Run again, move a control, or undo"
+_INTERNAL = "an internal error stopped this run; the server's log has the details. Try other settings"
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What a run is asked for: a scan by its name in the menu, and settings."""
+
+    label: str
+    params: Params
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """What is being computed: words and how far it is, percent."""
+
+    words: str
+    percent: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prepared:
+    """What a run has found out on its way: the ``normals`` (n, 3) of the scan's points, and them by height."""
+
+    normals: Floats
+    heights: HeightOrder
+
+
+class _Memo(Memo):
+    """A memo whose stages can be looked at when the run is over."""
+
+    def __init__(self, heavy: Callable[..., Any], on_stage: Callable[[str], None]) -> None:
+        super().__init__(heavy, on_stage)
+        self.results: dict[str, Any] = {}
+
+    def run(self, stage: str, function: Callable[..., T], *inputs: object, heavy: bool = False) -> T:
+        self.results[stage] = result = super().run(stage, function, *inputs, heavy=heavy)
+        return result
+
+
+@dataclass(frozen=True, slots=True)
+class Listener:
+    """Who is told of a run, each on the thread of the runs.
+
+    ``find(request, read)`` returns the scan, from ``read(unit)``, and the request as it is to be run; ``done`` gets a
+    result, ``failed`` a sentence, ``progress`` what is being computed.
+    """
+
+    find: Callable[[Request, Callable[[Unit], Scan]], tuple[Request, Scan]]
+    done: Callable[[Request, Scan, Inspection, Prepared], None]
+    failed: Callable[[str], None]
+    progress: Callable[[Progress], None]
+
+
+class Runs:
+    """The thread that computes for one page."""
+
+    def __init__(self, workshop: Workshop, listener: Listener, notices: Notices, name: str) -> None:
+        self._workshop = workshop
+        self._listener = listener
+        self._notices = notices
+        self._memo = _Memo(self._heavy, self._enter_stage)
+        self._stage: str | None = None
+        self._n_points = 0
+        self._is_announced = False
+        self._is_closed = False
+        # Runs are numbered as they are asked for: what is given up are all up to a number, begun or not.
+        self._lock = threading.Lock()
+        self._number = self._n_asked = self._n_cancelled = self._n_left = 0
+        self._label = ""
+        self._newest: Newest[tuple[int, Request, Path]] = Newest(self._run, name=name)
+
+    def submit(self, request: Request, path: Path) -> None:
+        """Ask for a run; one that waits is dropped, one in progress is finished, unless it is of another scan."""
+        with self._lock:
+            if request.label != self._label:
+                self._n_left = self._n_asked
+            self._label = request.label
+            self._n_asked += 1
+            self._newest.submit((self._n_asked, request, path))
+
+    def cancel(self) -> None:
+        """Stop the run in progress: between two stages, or by ending the process that works for nobody else.
+
+        One that waits is not begun.
+        """
+        with self._lock:
+            self._n_cancelled = self._n_asked
+
+    def is_busy(self) -> bool:
+        """Return whether a run is in progress or waiting."""
+        return self._newest.is_busy()
+
+    def has_waiting(self) -> bool:
+        """Return whether another run waits."""
+        return self._newest.has_waiting()
+
+    def close(self) -> None:
+        """End the thread, and what it is computing unless others want it."""
+        self._is_closed = True
+        self._newest.close()
+
+    def _is_wanted(self) -> bool:
+        return not (self._number <= max(self._n_cancelled, self._n_left) or self._is_closed)
+
+    def _heavy(self, function: Callable[..., Any], *inputs: object) -> Any:
+        return self._workshop.heavy(function, *inputs, is_wanted=self._is_wanted)
+
+    def _run(self, wanted: tuple[int, Request, Path]) -> None:
+        """Compute and publish; the body of the thread. Never raises."""
+        self._number, request, path = wanted
+        announce = threading.Timer(_PATIENCE_S, self._announce)
+        announce.daemon = True
+        self._is_announced = False
+        self._stage, self._n_points = "read", 0
+        announce.start()
+        try:
+            if not self._is_wanted():
+                raise Cancelled
+            request, scan = self._listener.find(request, lambda unit: self._workshop.read(path, unit, self._is_wanted))
+            self._n_points = len(scan.points)
+            inspection = inspect(scan, request.params, self._memo)
+            self._stage = None
+            announce.cancel()
+            found = self._memo.results
+            self._listener.done(request, scan, inspection, Prepared(found["normals"].vectors, found["heights"]))
+        except Cancelled:
+            self._end(CANCELLED)
+        except StairError as error:
+            self._end(str(error))
+        except Exception:  # noqa: BLE001 - the outermost frame of this thread: the page must go on
+            self._notices.log("an inspector's run failed")
+            self._end(_INTERNAL)
+        finally:
+            announce.cancel()
+
+    def _end(self, words: str) -> None:
+        self._stage = None
+        if not self._is_closed and self._number > self._n_left:
+            self._listener.failed(words)
+
+    def _enter_stage(self, stage: str) -> None:
+        if not self._is_wanted():
+            raise Cancelled
+        self._stage = stage
+        if self._is_announced and stage in _STAGE_WORDS:
+            self._announce()
+
+    def _announce(self) -> None:
+        stage = self._stage
+        if stage is None or self._is_closed:
+            return
+        self._is_announced = True
+        size = f" of {self._n_points:,} points" if stage == "normals" and self._n_points else ""
+        words = _STAGE_WORDS.get(stage, "measuring")
+        self._listener.progress(Progress(f"{words}{size} …", _STAGE_PERCENT.get(stage, 90.0)))

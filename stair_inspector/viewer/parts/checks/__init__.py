@@ -1,0 +1,1 @@
+"""The checks: which rules, what they come to, limits that were changed."""

@@ -1,0 +1,1 @@
+"""What is taken away: files, pictures, the report, the project."""

@@ -1,0 +1,1 @@
+"""How the scene is looked at and measured: views, colours, section, distances."""

@@ -1,0 +1,338 @@
+"""How one inspector looks at the scan: modes, views and the orthographic look, colours, shading and density."""
+
+import contextlib
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.geometry.arrays import Colors, Floats
+from stair_inspector.model import Inspection, Scan
+from stair_inspector.pictures.cameras import (
+    FOV_RAD,
+    ORTHO_FOV_RAD,
+    USUAL_PITCH_DEG,
+    VIEWS,
+    Pose,
+    View,
+    clip_range,
+    frame_view,
+    step_frame,
+    with_fov,
+)
+from stair_inspector.pictures.coloring import ColorMode, color_points, crease_of, read_color_mode, shade
+from stair_inspector.pictures.display import MAX_POINTS, Display, choose_display
+from stair_inspector.pictures.frames import step_of
+from stair_inspector.pictures.legends import Legend
+from stair_inspector.pictures.segmentation import Drawing, draw, is_left_hidden, view_from_local
+from stair_inspector.viewer.parts.desk import Desk, Shown
+from stair_inspector.viewer.scene.framing import beside, free_part, raised
+from stair_inspector.viewer.scene.stage import MODES
+
+SMALLEST_POINT_MM, LARGEST_POINT_MM = 0.1, 100.0
+_LARGEST_DISC = 1.0 / 150.0
+"""Largest diameter of a drawn point, as a share of the scan's diagonal: a wrong unit must not fill the screen."""
+_FEWEST_POINTS = 1000
+_USUAL_ASPECT = 1.5
+_AROUND_STAIR_M = 1.0
+"""Room around the stair in a standard view: floor in front of it and what stands beside it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Framed:
+    """A view that was chosen: of the whole scan or of the stair, in a picture of that shape, from that place (3,)."""
+
+    view: View | int
+    is_whole: bool
+    aspect: float
+    position: Floats
+
+
+class Looking:
+    """Everything about the picture that is no result. Callers hold the desk's lock.
+
+    ``mode`` of the colours, ``is_shaded`` and ``percent`` of the points belong to the page and not to the project.
+    ``gone_to`` is where the camera was last sent, and its angle of view: another object with every move.
+    """
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        self._framed: _Framed | None = None
+        self.gone_to: tuple[Pose, float] | None = None
+        # While pictures are taken: where the inspector's camera stands, and its angle of view.
+        self._lent_from: tuple[Pose, float] | None = None
+        # How the camera stood before the clouds stood side by side, and where it was put then.
+        self._apart: tuple[Pose, Floats] | None = None
+        self._is_ortho = False
+        self.color_mode: ColorMode = "Step"
+        self.is_shaded = False
+        self.percent = 100
+        self.legend: Legend | None = None
+        self._normals: tuple[Scan, Floats] | None = None
+        self._crease: tuple[Display, Floats] | None = None
+
+    # Points and their colours.
+
+    def know_normals(self, scan: Scan, normals: Floats) -> None:
+        """Take the normals (n, 3) of a scan's points, which shading and one way of colouring need."""
+        self._normals = (scan, normals)
+
+    def set_percent(self, percent: float) -> None:
+        """Choose how many of the points are drawn."""
+        if not 1 <= float(percent) <= 100:
+            raise ConfigError(f"points drawn: got {percent!r}; give 1 to 100 %")
+        self.percent = int(percent)
+
+    def display(self, scan: Scan) -> Display:
+        """Return what of a scan is drawn at the present density."""
+        most = min(len(scan.points), MAX_POINTS)
+        return choose_display(scan, max(min(_FEWEST_POINTS, most), most * self.percent // 100))
+
+    def set_color(self, option: object) -> None:
+        """Choose what the colours tell."""
+        self.color_mode = read_color_mode(option)
+
+    def set_shading(self, is_shaded: object) -> None:
+        """Switch the light and the darker creases on or off."""
+        self.is_shaded = bool(is_shaded)
+
+    def drawing(self, shown: Shown, *, with_rejected: bool) -> Drawing:
+        """Return what is drawn of a result in the present colours; their legend is remembered."""
+        return draw(
+            shown.inspection,
+            shown.display,
+            shown.scan.points,
+            self._desk.palette,
+            with_rejected=with_rejected,
+            colors=self.colors(shown, shown.display, with_rejected=with_rejected),
+        )
+
+    def colors(self, shown: Shown, display: Display, *, with_rejected: bool) -> Colors:
+        """Return the colours of displayed points."""
+        axes = view_from_local(shown.inspection)
+        normals = self._normals[1] if self._normals is not None and self._normals[0] is shown.scan else None
+        coloring = color_points(
+            self.color_mode,
+            shown.inspection,
+            display,
+            self._desk.palette,
+            normals=normals,
+            axes=axes,
+            with_rejected=with_rejected,
+        )
+        self.legend = coloring.legend
+        if not self.is_shaded or normals is None:
+            return coloring.colors
+        own = normals[display.point_ids]
+        return shade(coloring.colors, own, axes, self._creases(display, own))
+
+    def point_size_of(self, display: Display) -> float:
+        """Return the diameter at which points look like a surface, metres."""
+        size_m = max(0.002, 1.25 * display.spacing_m)
+        return min(size_m, _LARGEST_DISC * float(np.linalg.norm(np.ptp(display.points, axis=0))))
+
+    def set_point_size(self, size_mm: float) -> None:
+        """Set the diameter of the drawn points."""
+        if not SMALLEST_POINT_MM <= float(size_mm) <= LARGEST_POINT_MM:
+            raise ConfigError(f"point size: got {size_mm!r}; give {SMALLEST_POINT_MM:g} to {LARGEST_POINT_MM:g} mm")
+        with self._desk.lock:
+            self._desk.stage.set_point_size(float(size_mm) / 1000.0)
+
+    def _creases(self, display: Display, normals: Floats) -> Floats:
+        if self._crease is None or self._crease[0] is not display:
+            self._crease = (display, crease_of(display.points, normals, display.spacing_m))
+        return self._crease[1]
+
+    # Modes and views.
+
+    def set_mode(self, option: str) -> None:
+        """Show the raw cloud, the steps, or both side by side; the camera goes on looking at the same spot."""
+        known = next((known for known in MODES if known == option), None)
+        if known is None:
+            raise ConfigError(f"view: got {str(option)[:40]!r}; give one of {', '.join(MODES)}")
+        stage = self._desk.stage
+        before_m = stage.shift_m()
+        stage.set_mode(known)
+        self._follow(stage.shift_m() - before_m)
+
+    def set_view(self, option: str) -> None:
+        """Stand back from a side of the staircase."""
+        known = next((known for known in VIEWS if known == option), None)
+        if known is None:
+            raise ConfigError(f"camera: got {str(option)[:40]!r}; give one of {', '.join(VIEWS)}")
+        self.look(known)
+
+    def look_at_step(self) -> None:
+        """Look at the chosen step.
+
+        Raises
+        ------
+        ConfigError
+            None is chosen.
+        """
+        if step_of(self._desk.inspection, self._desk.selected) is None:
+            raise ConfigError("look at step: choose a step first")
+        self.look(self._desk.selected or 0)
+
+    def set_ortho(self, is_ortho: bool) -> None:
+        """Look as if from far away, so that parallels stay parallel, or as the eye sees."""
+        if bool(is_ortho) == self._is_ortho:
+            return
+        # Not that of the look: a section or a kept view may have set another one.
+        pose, before = self.camera()
+        self._is_ortho = bool(is_ortho)
+        self.go_to(with_fov(pose, before, self.fov_rad), self.fov_rad)
+
+    @property
+    def is_ortho(self) -> bool:
+        """Whether the look is orthographic."""
+        return self._is_ortho
+
+    @property
+    def fov_rad(self) -> float:
+        """The upright angle of view."""
+        return ORTHO_FOV_RAD if self._is_ortho else FOV_RAD
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of the scene on the page; of a usual one where it has no height, as in a folded window."""
+        camera = self._desk.client.camera
+        width, height = camera.image_width, camera.image_height
+        return width / height if width > 0 and height > 0 else _USUAL_ASPECT
+
+    def look(self, view: View | int, *, is_whole: bool = False) -> None:
+        """Frame a standard view of the stair or of the whole scan, or the step of a number, beside what covers it."""
+        shown = self._desk.shown
+        if shown is None:
+            return
+        camera = self._desk.client.camera
+        free = free_part(camera.image_width, camera.image_height, self.fov_rad, with_labels=isinstance(view, int))
+        pose = self.pose_of(shown, view, free.aspect, fov_rad=free.fov_rad, is_whole=is_whole)
+        pose = raised(pose, free.raised * math.tan(self.fov_rad / 2.0))
+        self.go_to(pose, self.fov_rad)
+        self._framed = _Framed(view, is_whole, self.aspect, pose.position)
+
+    def pose_of(
+        self, shown: Shown, view: View | int, aspect: float, *, fov_rad: float | None = None, is_whole: bool = False
+    ) -> Pose:
+        """Return the camera of a view, in a picture of that shape, perhaps with an angle of view of its own."""
+        stage, inspection = self._desk.stage, shown.inspection
+        # The view stays where it was turned for this scan; its axes may since have been found elsewhere.
+        turn = stage.rotation @ view_from_local(inspection).T
+        step = step_of(inspection, view) if isinstance(view, int) else None
+        extent = stage.visible_extent() if is_whole else self._stair_extent(inspection)
+        standard: View = "Home"
+        if step is not None:
+            climb = view_from_local(inspection)[1]
+            extent, turn = step_frame(step, inspection.up.vector, climb, stage.rotation)
+            extent = extent + np.array([stage.shift_m(), 0.0, 0.0])
+        elif not isinstance(view, int):
+            standard = view
+        return frame_view(
+            standard,
+            extent,
+            aspect,
+            turn,
+            fov_rad or self.fov_rad,
+            is_from_right=is_left_hidden(inspection, shown.display),
+            pitch_deg=_pitch_of(inspection),
+        )
+
+    def pose(self) -> Pose:
+        """Return where the inspector's camera stands now."""
+        return self.camera()[0]
+
+    def camera(self) -> tuple[Pose, float]:
+        """Return where the inspector's camera stands now, and its upright angle of view.
+
+        While it is lent, this is not where a picture is taken but where it goes afterwards.
+        """
+        if self._lent_from is not None:
+            return self._lent_from
+        camera = self._desk.client.camera
+        pose = Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
+        return pose, float(camera.fov)
+
+    def go_to(self, pose: Pose, fov_rad: float) -> None:
+        """Put the camera somewhere."""
+        camera = self._desk.client.camera
+        near, far = clip_range(pose, self._desk.stage.visible_extent())
+        with self._desk.client.atomic():
+            camera.fov = fov_rad
+            camera.near, camera.far = near, far
+            camera.up_direction = pose.up
+            camera.position = pose.position
+            # Setting the position drags the point looked at along.
+            camera.look_at = pose.look_at
+        self.gone_to = (pose, fov_rad)
+        if self._lent_from is not None:
+            self._lent_from = self.gone_to
+        self._framed = None
+
+    @contextlib.contextmanager
+    def lent(self) -> Iterator[None]:
+        """Lend the camera to who puts it back; where the inspector has sent it meanwhile, it goes afterwards."""
+        with self._desk.lock:
+            before, self._lent_from = self.gone_to, self.camera()
+        try:
+            yield
+        finally:
+            with self._desk.lock:
+                self._lent_from = None
+                gone_to, framed = self.gone_to, self._framed
+                if gone_to is not None and gone_to is not before and self._desk.shown is not None:
+                    self.go_to(*gone_to)
+                    self._framed = framed
+
+    def reframe(self) -> None:
+        """Frame the view again when the picture has another shape, unless somebody has turned it since.
+
+        A page tells the shape of its whole window before the panel has taken its place at the side.
+        """
+        framed = self._framed
+        if framed is not None and abs(self.aspect - framed.aspect) > 0.01 and self._stands_at(framed.position):
+            self.look(framed.view, is_whole=framed.is_whole)
+
+    def _stands_at(self, position: Floats) -> bool:
+        return np.allclose(self.pose().position, position, atol=1e-3)
+
+    def _follow(self, moved_m: float) -> None:
+        """Look at the same spot after the steps have moved aside, or back, by so many metres."""
+        if moved_m == 0.0:
+            return
+        apart, self._apart = self._apart, None
+        framed = self._framed
+        if framed is not None and self._stands_at(framed.position):
+            self.look(framed.view, is_whole=framed.is_whole)
+            return
+        before, fov_rad = self.camera()
+        if moved_m < 0.0 and apart is not None and self._stands_at(apart[1]):
+            self.go_to(apart[0], fov_rad)
+            return
+        pose = beside(before, moved_m, self.aspect, fov_rad)
+        self.go_to(pose, fov_rad)
+        if moved_m > 0.0:
+            self._apart = (before, pose.position)
+
+    def _stair_extent(self, inspection: Inspection) -> Floats:
+        """Return the corners (n, 3) of a box around the stair with some of what is around it, as the mode shows it.
+
+        A scan may reach much farther than its stair, which would be a speck in a view of everything.
+        """
+        stage = self._desk.stage
+        whole = stage.visible_extent()
+        if not inspection.steps:
+            return whole
+        corners = np.concatenate([step.corners for step in inspection.steps]) @ stage.rotation.T
+        box = np.array([corners.min(axis=0) - _AROUND_STAIR_M, corners.max(axis=0) + _AROUND_STAIR_M])
+        box = np.clip(box, stage.extent.min(axis=0), stage.extent.max(axis=0))
+        extent = np.array([[x, y, z] for x in box[:, 0] for y in box[:, 1] for z in box[:, 2]])
+        shift_m = stage.shift_m()
+        return extent if shift_m == 0.0 else np.vstack([extent, extent + np.array([shift_m, 0.0, 0.0])])
+
+
+def _pitch_of(inspection: Inspection) -> float:
+    pitches = [flight.pitch_deg.value for flight in inspection.flights if flight.pitch_deg is not None]
+    return pitches[0] if pitches else USUAL_PITCH_DEG

@@ -1,0 +1,59 @@
+"""A section as a large drawing in a window of its own, which can be made larger still and moved about in."""
+
+from collections.abc import Callable
+
+import viser
+
+from stair_inspector.viewer.bridge.cards import Card
+from stair_inspector.viewer.bridge.notices import from_page
+
+ZOOMS = (1, 2, 4, 8)
+"""How much larger than the window the drawing can be."""
+WIDTH, TALLEST = 1160, 520
+"""Of the drawing as large as the window, pixels."""
+MOST_DOTS = 25_000
+_LARGER, _SMALLER = "Larger", "Smaller"
+# viser's own windows are as wide as a message, and have no setting for it.
+_WIDE = (
+    "<style>.mantine-Modal-content:has([data-testid=large-section])"
+    f"{{flex:0 0 min({WIDTH + 80}px,96vw)!important;max-width:96vw!important}}</style>"
+)
+
+
+class SectionCard(Card):
+    """The window; there is one at a time.
+
+    Parameters
+    ----------
+    gui : viser.GuiApi
+        Of one page.
+    guard : callable
+        Around what a button calls.
+    """
+
+    def __init__(self, gui: viser.GuiApi, guard: Callable[[Callable[..., None]], Callable[..., None]]) -> None:
+        super().__init__(gui, "Section")
+        self._guard = guard
+        self._zoom = 0
+
+    def open(self, draw: Callable[[int, int], str]) -> None:
+        """Open the window with what ``draw(width, tallest)`` returns, which is called again for every size."""
+        self.close()
+        self._zoom = 0
+        self.fill(lambda: self._add_plot(draw))
+
+    def _add_plot(self, draw: Callable[[int, int], str]) -> None:
+        plot = self._gui.add_html("")
+        zoom = self._gui.add_button_group("Size", (_LARGER, _SMALLER), hint="The drawing can be scrolled.")
+
+        def show(option: str = "") -> None:
+            self._zoom += {_LARGER: 1, _SMALLER: -1}.get(option, 0)
+            self._zoom = min(max(self._zoom, 0), len(ZOOMS) - 1)
+            factor = ZOOMS[self._zoom]
+            plot.content = (
+                f'{_WIDE}<div data-testid="large-section" data-zoom="{factor}" style="overflow:auto;max-height:70vh">'
+                f'<div style="width:{100 * factor}%">{draw(WIDTH * factor, TALLEST * factor)}</div></div>'
+            )
+
+        zoom.on_click(from_page(self._guard(show), lambda: zoom.value))
+        show()

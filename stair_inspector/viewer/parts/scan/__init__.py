@@ -1,0 +1,1 @@
+"""The scan: which file, its unit, up and region."""

@@ -1,0 +1,197 @@
+"""Opening scans on one page: from the folder, from an upload, with the work that was saved, and after a reload."""
+
+import dataclasses
+import uuid
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from stair_inspector.params import OverrulesParams
+from stair_inspector.viewer.bridge.notices import Notices
+from stair_inspector.viewer.parts.panel import Panel
+from stair_inspector.viewer.state.library import Library
+from stair_inspector.viewer.state.work import Keeper, KeptWishes, OpenPage, Wish, Work, work_beside, work_of
+
+_BROWSER_KEY = "stair_inspector.browser"
+_SCAN_KEY = "stair_inspector.scan"
+"""In the browser's storage: who it is, and the scan it had open last, for when the server starts anew."""
+_STORAGE_S = 5.0
+_LONGEST_STORED = 1000
+_ANSWER_S = 2.0
+"""Longest wait for a sign of life from a page."""
+
+
+class Opening:
+    """Which scan is open, and the work that it begins with. Callers hold the keeper's lock where they change both."""
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        library: Library,
+        keeper: Keeper,
+        panel: Panel,
+        notices: Notices,
+        started: Work,
+        kept: KeptWishes,
+        end: Callable[[], None],
+    ) -> None:
+        self._client = client
+        self._library = library
+        self._keeper = keeper
+        self._panel = panel
+        self._notices = notices
+        self._started = started
+        self._kept = kept
+        self._page = OpenPage(lambda: notices.is_closed, self._is_answering, end)
+        self._browser_id: str | None = None
+        self._uploads: tuple[str, ...] = ()
+
+    def restore(self) -> None:
+        """Take up what a page of this browser, now closed, was at; or open the scan it had last, or the first."""
+        wish, last = self._recall()
+        if wish is not None:
+            self._uploads = wish.uploads
+            self._keeper.take_up(wish)
+            self._panel.controls.load(self._keeper.work.params)
+        else:
+            labels = self._library.labels()
+            self._open(last if last in labels else labels[0], self._started)
+        if self._browser_id is not None:
+            self._kept.arrive(self._browser_id, self._page)
+        self.show()
+
+    def leave(self) -> None:
+        """Keep the work for the page that this browser opens next."""
+        benches = self._keeper.benches()
+        # Without any it has failed before it had opened a scan.
+        if self._browser_id is not None and benches:
+            wish = Wish(self._keeper.label, benches, self._uploads)
+            self._kept.leave(self._browser_id, self._page, wish)
+        else:
+            for label in self._uploads:
+                self._library.forget_upload(label)
+
+    def choose(self, label: str) -> bool:
+        """Turn to another scan, with the work on it; return False where it is open already.
+
+        Raises
+        ------
+        ConfigError
+            No scan has that name.
+        """
+        keeper = self._keeper
+        if label == keeper.label:
+            return False
+        if keeper.has(label):
+            self._panel.controls.load(keeper.turn_to(label).params)
+        else:
+            self._open(label, work_beside(keeper.work, self._started))
+        if label not in self._uploads:
+            self._client.local_storage.set_item(_SCAN_KEY, label)
+        return True
+
+    def look_for_scans(self) -> None:
+        """Look into the folders again."""
+        before = self._library.labels(self._uploads)
+        self._library.refresh()
+        self.show()
+        now = self._library.labels(self._uploads)
+        self._notices.tell("Scans", f"{len(set(now) - set(before))} new, {len(now)} in the menu")
+
+    def keep_upload(self, file: Any) -> str:
+        """Keep an uploaded scan and return its name in the menu."""
+        while self._library.is_full() and self._kept.forget_oldest_uploads():
+            continue
+        label = self._library.add_upload(str(file.name), file.content)
+        self._uploads = (*self._uploads, label)
+        return label
+
+    def show(self) -> None:
+        """List the scans and show which is open."""
+        labels, label = self._library.labels(self._uploads), self._keeper.label
+        # A file that is gone from its folder stays in the menu of a page that has it open.
+        self._panel.scan.offer(labels if label in labels else (*labels, label), label)
+
+    def is_of(self, label: str, sha256: str) -> bool:
+        """Return whether the work on a scan was done on these bytes; what was done on others is put aside."""
+        keeper = self._keeper
+        with keeper.lock:
+            bench = keeper.bench(label)
+            if bench is None or bench.sha256 in ("", sha256):
+                keeper.know_scan(label, sha256)
+                return True
+            before, left, is_saved = bench.history.value, bench.path, bench.is_from_file
+            path, project, _ = self._library.claim_project(bench.scan, sha256) if left else (None, None, "")
+            if project is not None:
+                after = work_of(project)
+            elif is_saved:
+                after = self._started
+            else:
+                # Settings go on; what is a place of the other cloud does not.
+                params = dataclasses.replace(before.params, overrules=OverrulesParams())
+                after = dataclasses.replace(before, params=params, measurements=(), views=())
+            is_new = project is None and not is_saved
+            keeper.put_aside(label, after, path, "begun anew: the file has changed", is_changed=is_new)
+            keeper.know_scan(label, sha256)
+            if label == keeper.label:
+                self._panel.controls.load(after.params)
+        place = left.name if left is not None else "the work"
+        if is_saved:
+            words = f"{place} was made on another state of this file; it is left as it is, and " + (
+                f"the work in {path.name} is back" if project is not None and path else "this work begins anew"
+            )
+            self._notices.tell("Saved work not taken up", words)
+        else:
+            words = f"{label} has changed and was read again. Overrules, measurements and views were places of the "
+            words += "cloud before it and are put aside; undo brings them back"
+            self._notices.tell("File changed", words)
+        return after == before
+
+    def _open(self, label: str, otherwise: Work) -> None:
+        """Begin the work on a scan: what was saved of it, or else fresh work."""
+        scan = self._library.path(label, self._uploads)
+        path, project, words = self._library.claim_project(scan)
+        work = otherwise
+        if project is not None and path is not None:
+            work = work_of(project)
+            words = (
+                f"{path.name}: settings, overrules, measurements and views as they were left. "
+                "Shift+R, or Reset to preset under Tune, takes the settings that the server was started with"
+            )
+        if words:
+            self._notices.tell("Your work is back" if project is not None else "Saving", words)
+        self._keeper.begin(label, scan, work, path, project.scan_sha256 if project is not None else "")
+        self._panel.controls.load(work.params)
+
+    def _recall(self) -> tuple[Wish | None, str | None]:
+        """Return what a page of this browser that has gone was at, or else the name of the scan it had last."""
+        try:
+            known = self._read_storage(_BROWSER_KEY) or uuid.uuid4().hex
+            self._client.local_storage.set_item(_BROWSER_KEY, known)
+            wish = self._kept.take_up(known)
+            # What another page of the browser has open is no reason to open it twice.
+            is_first = wish is None and not self._kept.has_open(known)
+            last = self._read_storage(_SCAN_KEY) if is_first else None
+        except (TimeoutError, RuntimeError):
+            return None, None
+        self._browser_id = known
+        return wish, last
+
+    def _is_answering(self) -> bool:
+        try:
+            self._client.local_storage.get_item(_BROWSER_KEY, timeout=_ANSWER_S)
+        except (TimeoutError, RuntimeError):
+            return False
+        return True
+
+    def _read_storage(self, key: str) -> str | None:
+        """Return what the browser keeps under a key, None for nothing and for nonsense.
+
+        Raises
+        ------
+        TimeoutError, RuntimeError
+            The browser does not answer, has gone, or keeps its storage closed.
+        """
+        known = self._client.local_storage.get_item(key, timeout=_STORAGE_S)
+        return known if known and len(known) <= _LONGEST_STORED else None

@@ -1,0 +1,1 @@
+"""The settings: sliders, presets, the height histogram, runs to compare, sweeps."""

@@ -1,0 +1,78 @@
+"""The paper's edges in the scene while the sliders are moved that place them, and that change nothing else."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.model import Inspection
+from stair_inspector.pictures.segmentation import lift_of
+from stair_inspector.viewer.compute.worker import Settle
+from stair_inspector.viewer.parts.desk import Desk
+
+PAPER_ONLY = frozenset({"edges.front_percentile", "edges.back_percentile", "edges.side_percentile"})
+"""Settings that act on the paper's columns alone where the survey is made."""
+LINGER_S = 6.0
+"""They stay for so long after the last move, to be looked at."""
+_NOTHING = np.zeros((0, 2, 3))
+
+
+def paper_edges_of(inspection: Inspection, spacing_m: float) -> Floats:
+    """Return the front, back and side edges (k, 2, 3) that the paper places on the levels of the steps; local.
+
+    Nothing where the paper's own steps are drawn anyway, and nothing on levels that the survey takes for no step.
+    """
+    if inspection.params.method == "paper":
+        return _NOTHING
+    # The lowest level is the floor to the paper, which has no edges.
+    levels = sorted({patch.level_id for patch in inspection.patches if patch.step_id is not None} - {0})
+    rms_m = max((step.plane.rms_m or 0.0 for step in inspection.steps), default=0.0)
+    lift = lift_of(spacing_m, rms_m) * inspection.up.vector
+    placed = dict(enumerate(inspection.paper_corners, 1))
+    corners = [placed[level] + lift for level in levels if level in placed]
+    sides = [np.stack([each, np.roll(each, -1, axis=0)], axis=1) for each in corners]
+    return np.concatenate(sides) if sides else _NOTHING
+
+
+class PaperEdges:
+    """Shows the paper's edges from the first move of one of their sliders until a while after the last.
+
+    Another control that is touched puts them away at once.
+    """
+
+    def __init__(self, desk: Desk, show_legend: Callable[[], None]) -> None:
+        self._desk = desk
+        self._show_legend = show_legend
+        # Wanted from the move of a slider, drawn from the result of it.
+        self._is_wanted = self.is_drawn = False
+        self._settle = Settle(desk.notices.guard(self.put_away), LINGER_S, f"stair-paper-{desk.client.client_id}")
+
+    def close(self) -> None:
+        """End the thread."""
+        self._settle.close()
+
+    def changed(self, names: str) -> None:
+        """Know which settings a person has changed, as their names separated by commas; empty for none."""
+        if names and set(names.split(", ")) <= PAPER_ONLY:
+            self._is_wanted = True
+            self._settle.touch()
+        elif names:
+            self.put_away()
+
+    def draw(self) -> None:
+        """Draw the edges of the present result, or none; the desk is held."""
+        shown = self._desk.shown
+        lines = _NOTHING
+        if self._is_wanted and shown is not None:
+            lines = paper_edges_of(shown.inspection, shown.display.spacing_m)
+        self.is_drawn = len(lines) > 0
+        self._desk.stage.show_paper_edges(lines)
+
+    def put_away(self) -> None:
+        """Take the edges away."""
+        with self._desk.lock:
+            self._is_wanted = False
+            if self.is_drawn and not self._desk.is_closed:
+                with self._desk.client.atomic():
+                    self.draw()
+                    self._show_legend()

@@ -1,0 +1,360 @@
+"""Earlier results, kept runs and sweeps: results beside the one that is shown, computed on threads of their own."""
+
+import itertools
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from stair_inspector.errors import ConfigError, StairError
+from stair_inspector.files.projects import KeptRun
+from stair_inspector.memo import Memo
+from stair_inspector.model import Inspection
+from stair_inspector.params import Params
+from stair_inspector.pipeline import inspect
+from stair_inspector.viewer.bridge.controls import title_of_setting
+from stair_inspector.viewer.bridge.markup import DIM, text
+from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES, SWEPT_SETTINGS, Sweep, sweep
+from stair_inspector.viewer.compute.worker import Cancelled, Newest, Workshop
+from stair_inspector.viewer.parts.desk import Desk, Editor, Shown
+from stair_inspector.viewer.parts.panel import Panel
+from stair_inspector.viewer.parts.tune.comparison import compare, comparison_html
+from stair_inspector.viewer.parts.tune.run_history import MOST_RUNS, RunHistory
+from stair_inspector.viewer.parts.tune.sensitivity_html import sweep_html
+from stair_inspector.viewer.parts.tune.tab import AS_SHOWN, NO_RUN
+
+_MOST_MADE = 3
+"""Results kept beside the one that is shown: each holds some numbers for every point of the scan."""
+_CANCELLED = "cancelled; choose another result, then this one again"
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """A result that can be compared: its title in the menu, its settings, and where it is remembered."""
+
+    title: str
+    params: Params
+    kept: KeptRun | None = None
+    number: int | None = None
+
+    @property
+    def key(self) -> tuple[str, int]:
+        return ("", self.number) if self.number is not None else (self.title, 0)
+
+
+class Comparing:
+    """The folders "Compare A / B" and "Sensitivity" of the Tune tab.
+
+    Parameters
+    ----------
+    desk, panel, editor
+        Of the page.
+    workshop : Workshop
+        Reads scans and computes.
+    path : callable
+        Returns the file of the present scan.
+    """
+
+    def __init__(self, desk: Desk, panel: Panel, editor: Editor, workshop: Workshop, path: Callable[[], Path]) -> None:
+        self._desk = desk
+        self._tab = panel.tune
+        self._editor = editor
+        self._workshop = workshop
+        self._path = path
+        self._history = RunHistory()
+        # Results, and sentences why there is none, by scan and settings.
+        self._made: list[tuple[str, Params, Inspection]] = []
+        self._refused: list[tuple[str, Params, str]] = []
+        self._a: tuple[str, int] | None = None
+        self._b: tuple[str, int] | None = None
+        self._asked: tuple[str, Params] | None = None
+        self._sweep: tuple[str, Sweep] | None = None
+        # One for each job: what was stopped must not stop the next.
+        self._stop_run, self._stop_sweep = threading.Event(), threading.Event()
+        client_id = desk.client.client_id
+        self._runs: Newest[Callable[[], None]] = Newest(self._run, name=f"stair-compare-{client_id}")
+        # A thread of its own: a sweep takes a minute, and must not be dropped for a comparison.
+        self._sweeps: Newest[Callable[[], None]] = Newest(self._run, name=f"stair-sweep-{client_id}")
+
+    def close(self) -> None:
+        """End the threads."""
+        self.cancel()
+        self._runs.close()
+        self._sweeps.close()
+
+    def cancel(self) -> None:
+        """Stop what is being measured to be compared, and the sweep; what has been measured stays shown."""
+        self._stop_run.set()
+        self._stop_sweep.set()
+
+    # Results to compare.
+
+    def keep(self, name: object) -> None:
+        """Keep the settings of the result that is shown, to compare others with it."""
+        shown = self._desk.result("keep")
+        run = KeptRun(" ".join(str(name).split()), shown.inspection.params)
+        with self._desk.lock:
+            self._remember(shown.inspection.scan.sha256, run.params, shown.inspection)
+            self._a = (run.name, 0)
+        self._editor.edit(
+            f"kept run {run.name}",
+            lambda work: {"runs": (*(each for each in work.runs if each.name != run.name), run)},
+        )
+        self._tab.run_name.value = _next_name([each.name for each in self._editor.work.runs])
+
+    def compare_with(self, title: str) -> None:
+        """Choose result A, or none."""
+        self._choose(title, NO_RUN, is_a=True)
+
+    def compare_to(self, title: str) -> None:
+        """Choose result B, or the one that is shown."""
+        self._choose(title, AS_SHOWN, is_a=False)
+
+    def take_settings(self) -> None:
+        """Use the settings of result A."""
+        choice = self._choice_a()
+        self._editor.adjust(lambda _: choice.params, f"settings of {choice.title}")
+
+    def forget(self) -> None:
+        """Delete result A, kept by hand or not."""
+        choice = self._choice_a()
+        with self._desk.lock:
+            self._a = None
+            self._made = [made for made in self._made if made[1] != choice.params]
+        if choice.kept is None:
+            self._history.forget(choice.number or 0)
+            self.show()
+            return
+        self._editor.edit(
+            f"forgot run {choice.title}",
+            lambda work: {"runs": tuple(each for each in work.runs if each.name != choice.title)},
+        )
+        self._tab.run_name.value = _next_name([each.name for each in self._editor.work.runs])
+
+    def show(self) -> None:
+        """List the results, and show the differences between the chosen ones; the sweep too, in the present unit."""
+        with self._desk.lock:
+            shown = self._desk.shown
+            self._show_sweep_of(shown)
+            if shown is not None:
+                self._history.record(shown.inspection)
+            choices = {choice.key: choice for choice in self._choices()}
+            self._a, self._b = (key if key in choices else None for key in (self._a, self._b))
+            a, b = (choices.get(key) if key is not None else None for key in (self._a, self._b))
+            titles = tuple(choice.title for choice in choices.values())
+            self._tab.offer_runs(titles, a.title if a is not None else NO_RUN, b.title if b is not None else AS_SHOWN)
+            if a is None or shown is None:
+                self._tab.comparison.content = ""
+                return
+            self._tab.comparison.content = self._comparison(shown, a, b)
+
+    def _comparison(self, shown: Shown, a: _Choice, b: _Choice | None) -> str:
+        """Return the differences, or why there are none yet; what is missing is asked for."""
+        found: list[Inspection] = []
+        for choice in (a, b):
+            made = shown.inspection if choice is None else self._find(shown, choice.params)
+            if isinstance(made, str) and choice is not None:
+                return _said(f"{choice.title}: {made}")
+            if made is None and choice is not None:
+                self._ask(shown, choice.params)
+                return _said(f"measuring {choice.title} …")
+            if isinstance(made, Inspection):
+                found.append(made)
+        try:
+            comparison = compare(found[0], found[1])
+        except StairError as error:
+            return _said(str(error))
+        return comparison_html(comparison, a.title, "what is shown" if b is None else b.title, self._desk.unit)
+
+    def _find(self, shown: Shown, params: Params) -> Inspection | str | None:
+        """Return the result of settings on the present scan, why there is none, or None where it is not known yet."""
+        if shown.inspection.params == params:
+            return shown.inspection
+        sha256 = shown.inspection.scan.sha256
+        outcomes: list[tuple[str, Params, Inspection | str]] = [*self._made, *self._refused]
+        return next((outcome for *known, outcome in outcomes if known == [sha256, params]), None)
+
+    def _ask(self, shown: Shown, params: Params) -> None:
+        """Have settings measured, unless that is under way; what was asked for before is given up."""
+        wanted = (shown.inspection.scan.sha256, params)
+        if self._asked == wanted:
+            return
+        self._stop_run.set()
+        self._asked, self._stop_run = wanted, threading.Event()
+        self._runs.submit(partial(self._measure, shown, params, self._stop_run))
+
+    def _measure(self, shown: Shown, params: Params, stop: threading.Event) -> None:
+        sha256 = shown.inspection.scan.sha256
+        # Of what nobody foresaw, which goes to the log.
+        outcome: Inspection | str = "an internal error; the server's log has the details"
+        try:
+            scan = shown.scan
+            if params.unit != shown.inspection.params.unit:
+                # The same numbers of the file are other metres.
+                scan = self._workshop.read(self._path(), params.unit, self._is_wanted(stop))
+            if scan.sha256 != sha256:
+                raise ConfigError(f"{shown.label} has changed since; press Run again")
+            outcome = inspect(scan, params, self._memo(stop))
+        except Cancelled:
+            outcome = _CANCELLED
+        except StairError as error:
+            outcome = str(error)
+        finally:
+            with self._desk.lock:
+                # If it is not the last that was asked for, it was given up for that.
+                if self._stop_run is stop:
+                    self._asked = None
+                    self._remember(sha256, params, outcome)
+                    if not self._desk.is_closed:
+                        self.show()
+
+    def _remember(self, sha256: str, params: Params, outcome: Inspection | str) -> None:
+        if isinstance(outcome, str):
+            self._refused = [*self._refused, (sha256, params, outcome)][-MOST_RUNS:]
+        else:
+            self._made = [*self._made, (sha256, params, outcome)][-_MOST_MADE:]
+
+    def _choose(self, title: str, nothing: str, *, is_a: bool) -> None:
+        with self._desk.lock:
+            choice = next((choice for choice in self._choices() if choice.title == title), None)
+            if choice is None and title != nothing:
+                raise ConfigError(f"compare: got {str(title)[:40]!r}; choose one of the menu")
+            if choice is not None:
+                # Chosen anew, it is measured anew.
+                self._refused = [each for each in self._refused if each[1] != choice.params]
+            key = choice.key if choice is not None else None
+            if is_a:
+                self._a = key
+            else:
+                self._b = key
+            self.show()
+
+    def _choice_a(self) -> _Choice:
+        with self._desk.lock:
+            choice = next((choice for choice in self._choices() if choice.key == self._a), None)
+        if choice is None:
+            raise ConfigError("compare: choose result A first")
+        return choice
+
+    def _choices(self) -> tuple[_Choice, ...]:
+        """Return what can be compared on the present scan, each with a title of its own: kept runs, then the last."""
+        choices = [_Choice(run.name, run.params, kept=run) for run in self._editor.work.runs]
+        taken = {NO_RUN, AS_SHOWN, *(choice.title for choice in choices)}
+        shown = self._desk.shown
+        for run in self._history.of(shown.inspection.scan.sha256) if shown is not None else ():
+            title = run.title if run.title not in taken else f"{run.title} (history)"
+            if title not in taken:
+                taken.add(title)
+                choices.append(_Choice(title, run.params, number=run.number))
+        return tuple(choice for choice in choices if choice.title not in (NO_RUN, AS_SHOWN))
+
+    # Sweeps.
+
+    def sweep(self) -> None:
+        """Measure at values over the whole range of the chosen setting."""
+        shown = self._desk.result("sweep")
+        name = next((key for key, title in sweep_titles().items() if title == self._tab.sweep_setting.value), None)
+        if name is None:
+            raise ConfigError("sweep: choose a setting of the menu")
+        with self._desk.lock:
+            self._stop_sweep.set()
+            self._stop_sweep = stop = threading.Event()
+            self._tab.show_sweeping(True)
+        self._sweeps.submit(lambda: self._measure_sweep(shown, name, stop))
+
+    def stop_sweep(self) -> None:
+        """End the sweep; what has been measured stays shown."""
+        self._stop_sweep.set()
+
+    def show_sweep(self) -> None:
+        """Draw the sweep, as far as it has come, for the chosen quantity."""
+        quantity = self._quantity()
+        if quantity is None:
+            raise ConfigError("sweep: choose a quantity of the menu")
+        with self._desk.lock:
+            self._show_sweep_of(self._desk.shown)
+
+    def _show_sweep_of(self, shown: Shown | None) -> None:
+        """Draw the sweep of the scan that is shown; another scan's is dropped, and stopped."""
+        sha256 = shown.inspection.scan.sha256 if shown is not None else ""
+        if self._sweep is None:
+            return
+        swept, found = self._sweep
+        if swept != sha256:
+            self._stop_sweep.set()
+            self._sweep = None
+            self._tab.sweep.content = ""
+            return
+        quantity = self._quantity()
+        if quantity is not None:
+            self._tab.sweep.content = sweep_html(found, quantity, self._desk.unit)
+
+    def _quantity(self) -> str | None:
+        chosen = self._tab.sweep_quantity.value
+        return next((key for key, title in SWEPT_QUANTITIES.items() if title == chosen), None)
+
+    def _measure_sweep(self, shown: Shown, name: str, stop: threading.Event) -> None:
+        sha256 = shown.inspection.scan.sha256
+
+        def is_wanted() -> bool:
+            now = self._desk.shown
+            return self._is_wanted(stop)() and now is not None and now.inspection.scan.sha256 == sha256
+
+        def tell(found: Sweep) -> None:
+            with self._desk.lock:
+                if is_wanted():
+                    self._sweep = (sha256, found)
+                    self._show_sweep_of(self._desk.shown)
+
+        try:
+            tell(sweep(shown.scan, shown.inspection.params, name, self._memo(stop), is_wanted, tell))
+        finally:
+            with self._desk.lock:
+                if self._stop_sweep is stop and not self._desk.is_closed:
+                    self._tab.show_sweeping(False)
+
+    # The threads.
+
+    def _is_wanted(self, stop: threading.Event) -> Callable[[], bool]:
+        # Runs of the page itself come first: these wait for nobody and are only stopped.
+        return lambda: not (stop.is_set() or self._desk.is_closed)
+
+    def _memo(self, stop: threading.Event) -> Memo:
+        is_wanted = self._is_wanted(stop)
+
+        def heavy(function: Callable[..., Any], *inputs: object) -> Any:
+            return self._workshop.heavy(function, *inputs, is_wanted=is_wanted)
+
+        def on_stage(_: str) -> None:
+            if not is_wanted():
+                raise Cancelled
+
+        return Memo(heavy, on_stage)
+
+    def _run(self, job: Callable[[], None]) -> None:
+        try:
+            job()
+        except Cancelled:
+            return
+        except StairError as error:
+            self._desk.notices.tell("Not done", str(error), is_failure=True)
+        except Exception:  # noqa: BLE001 - the outermost frame of this thread
+            self._desk.notices.log("a comparison or a sweep failed")
+            self._desk.notices.tell(
+                "Not done", "an internal error stopped this; the server's log has the details", is_failure=True
+            )
+
+
+def sweep_titles() -> dict[str, str]:
+    """Return the settings that can be swept, by dotted name, with their titles on the page."""
+    return {name: title_of_setting(name) for name in SWEPT_SETTINGS}
+
+
+def _next_name(taken: list[str]) -> str:
+    return next(name for number in itertools.count(1) if (name := f"run {number}") not in taken)
+
+
+def _said(words: str) -> str:
+    return f'<div data-testid="comparison" style="font-size:12px;color:{DIM};padding:2px 9px 6px">{text(words)}</div>'

@@ -1,0 +1,1 @@
+"""What is drawn of an inspection: nodes, cameras, sections, points that were clicked."""

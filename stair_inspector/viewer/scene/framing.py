@@ -1,0 +1,82 @@
+"""Placing the camera on the page: around what lies over the scene, and for two clouds side by side.
+
+Coordinates of the view; see :mod:`stair_inspector.pictures.cameras`.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from stair_inspector.pictures.cameras import Pose
+
+_ABOVE_PX, _BELOW_PX, _ASIDE_PX = 46, 76, 12
+"""What the toolbar above and the legend below cover of the scene, pixels."""
+_LABEL_PX = 150
+"""A dimension's label may run so far to the side of its step."""
+_SMALLEST_PX = 300
+"""A scene smaller than this is used as it is."""
+_BESIDE = 1.5
+"""Room for two spots side by side, in their distance."""
+
+
+@dataclass(frozen=True, slots=True)
+class FreePart:
+    """The free rectangle of a picture: its shape, its upright angle of view, and how far its middle lies higher.
+
+    ``raised`` is in half heights of the picture.
+    """
+
+    aspect: float
+    fov_rad: float
+    raised: float
+
+
+def free_part(width: int, height: int, fov_rad: float, *, with_labels: bool = False) -> FreePart:
+    """Return the part of a picture (pixels) that neither the toolbar nor the legend covers.
+
+    Parameters
+    ----------
+    width, height : int
+        Of the picture; where it has no size, that of a usual one.
+    fov_rad : float
+        Upright angle of view of the whole picture.
+    with_labels : bool
+        Leave room at both sides for the labels of a step.
+    """
+    if width <= 0 or height <= 0:
+        width, height = 1500, 1000
+    if min(width, height) < _SMALLEST_PX:
+        return FreePart(width / height, fov_rad, 0.0)
+    aside = _LABEL_PX if with_labels and width > 4 * _LABEL_PX else _ASIDE_PX
+    free_height = height - _ABOVE_PX - _BELOW_PX
+    angle = 2.0 * math.atan(math.tan(fov_rad / 2.0) * free_height / height)
+    return FreePart((width - 2 * aside) / free_height, angle, (_BELOW_PX - _ABOVE_PX) / height)
+
+
+def raised(pose: Pose, share: float) -> Pose:
+    """Return the camera moved so that what it looks at stands higher by a share of the distance to it."""
+    away = pose.position - pose.look_at
+    distance = float(np.linalg.norm(away))
+    right = np.cross(pose.up, away)
+    down = np.cross(right, away)
+    move = share * distance * down / np.linalg.norm(down)
+    return Pose(pose.position + move, pose.look_at + move, pose.up)
+
+
+def beside(pose: Pose, moved_m: float, aspect: float, fov_rad: float) -> Pose:
+    """Return the camera that sees a spot and the same spot ``moved_m`` to the right (x) beside it.
+
+    With a negative distance the two come together again: the camera moves back without coming nearer.
+    """
+    half = np.array([moved_m / 2.0, 0.0, 0.0])
+    away = pose.position - pose.look_at
+    distance = float(np.linalg.norm(away))
+    away /= distance
+    if moved_m > 0.0:
+        right = np.cross(pose.up, away)
+        right /= np.linalg.norm(right)
+        wide = _BESIDE * abs(float(half @ right)) / (math.tan(fov_rad / 2.0) * max(aspect, 0.1))
+        distance = max(distance, wide + abs(float(half @ away)))
+    target = pose.look_at + half
+    return Pose(target + distance * away, target, pose.up)

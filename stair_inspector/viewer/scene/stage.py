@@ -1,0 +1,442 @@
+"""An inspector's scene: what of an inspection is drawn, as nodes of viser."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import partial, wraps
+from typing import Any, Literal, TypeVar, cast
+
+import numpy as np
+import viser
+
+from stair_inspector.files.palettes import Palette, Rgb
+from stair_inspector.geometry.arrays import Colors, Floats
+from stair_inspector.pictures.display import Display
+from stair_inspector.pictures.segmentation import Drawing, extent_of
+from stair_inspector.viewer.scene.dimensions import Anchor, Dimensions, Label
+from stair_inspector.viewer.scene.measurements import MeasureDrawing
+from stair_inspector.viewer.scene.step_marks import TONE_RGB, StepMark
+
+Mode = Literal["Raw", "Segmented", "Side by side"]
+
+MODES: tuple[Mode, ...] = ("Raw", "Segmented", "Side by side")
+_EDGE_PIXELS = 3.0
+_NOSING_PIXELS = 6.0
+_ARROW_PIXELS = 2.0
+_MARK_PIXELS = 5.0
+_GAP_SHARE = 0.25
+"""Gap between the two clouds side by side, as a share of their width."""
+HIGHLIGHT: Rgb = (0, 214, 230)
+MEASURED: Rgb = (230, 60, 140)
+PAPER_EDGES: Rgb = (130, 50, 240)
+"""Of what an inspector measured by hand, and of the paper's edges beside the survey's: none of the hues of steps, edges
+and measuring lines."""
+_CLOUDS = ("/stair/segments/cloud", "/stair/segments/centres", "/stair/segments/selected")
+_PAPER_EDGES = "/stair/segments/paper_edges"
+_LINES = ("/stair/segments/edges", "/stair/segments/nosings", "/stair/segments/outside", _PAPER_EDGES)
+"""What a section stands in for: the segmentation's points, and the lines of all steps."""
+_PICKED_POINTS = 2.6
+"""Diameter of a picked point, in those of the scan."""
+_POINT_FACTORS = {
+    "/stair/raw": 1.0,
+    "/stair/segments/cloud": 1.0,
+    "/stair/segments/centres": 1.6,
+    "/stair/segments/selected": 1.7,
+    "/stair/section/cloud": 1.0,
+    "/stair/measured/points": _PICKED_POINTS,
+}
+"""Diameter of the points of each cloud, in those of the scan."""
+
+Draw = TypeVar("Draw", bound=Callable[..., None])
+
+
+def quaternion(rotation: Floats) -> tuple[float, float, float, float]:
+    """Return the quaternion (w, x, y, z) of a rotation matrix."""
+    wxyz = viser.transforms.SO3.from_matrix(rotation).wxyz
+    return (float(wxyz[0]), float(wxyz[1]), float(wxyz[2]), float(wxyz[3]))
+
+
+def _counted(draw: Draw) -> Draw:
+    """Count what draws, after it has drawn."""
+
+    @wraps(draw)
+    def counted(stage: "Stage", *values: Any, **named: Any) -> None:
+        try:
+            draw(stage, *values, **named)
+        finally:
+            stage.n_drawn += 1
+
+    return cast(Draw, counted)
+
+
+@dataclass
+class Stage:
+    """The nodes of one inspector's scene.
+
+    Everything hangs below ``/stair``, whose rotation stands the staircase upright, so that a camera always has z up.
+    The raw cloud and the segmentation share that frame; side by side, the segmentation moves to the right.
+
+    ``mode`` and ``point_size_m`` are what the inspector has chosen, also while a picture is taken in another mode
+    (:meth:`lend`) or with larger points (:meth:`magnify`). ``n_drawn`` grows with everything that is drawn: as long as
+    it stays, the scene is the same.
+    """
+
+    client: viser.ClientHandle
+    rotation: Floats = field(default_factory=lambda: np.eye(3))
+    extent: Floats = field(default_factory=lambda: np.zeros((8, 3)))
+    mode: Mode = "Segmented"
+    point_size_m: float = 0.0
+    n_drawn: int = 0
+    _lent: Mode | None = None
+    _magnified: float = 1.0
+    _nodes: dict[str, Any] = field(default_factory=dict)
+    _per_step: list[tuple[Any, Any]] = field(default_factory=list)
+    _step_names: tuple[str, ...] = ()
+    _rejected: list[Any] = field(default_factory=list)
+    _dimension_labels: list[Any] = field(default_factory=list)
+    _measure_labels: list[Any] = field(default_factory=list)
+    _is_cut: bool = False
+    _cut_steps: frozenset[str] = frozenset()
+    _covered_steps: frozenset[str] = frozenset()
+
+    @_counted
+    def show_scan(self, display: Display, rotation: Floats, point_size_m: float) -> None:
+        """Replace everything by a scan, standing upright."""
+        self.clear()
+        scene = self.client.scene
+        self.rotation, self.point_size_m = rotation, point_size_m
+        self.extent = extent_of(display.points @ rotation.T)
+        self._nodes["stair"] = scene.add_frame("/stair", show_axes=False, wxyz=quaternion(rotation))
+        self._nodes["segments"] = scene.add_frame("/stair/segments", show_axes=False)
+        # The box of the part that counts stands in it.
+        self._nodes["region"] = scene.add_frame("/stair/region", show_axes=False)
+        for name, is_visible in (("/stair/raw", self._mode_shown != "Segmented"), ("/stair/segments/cloud", True)):
+            self._nodes[name] = scene.add_point_cloud(
+                name,
+                display.points.astype(np.float32),
+                display.colors,
+                point_size=self._point_size_of(name),
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+                visible=is_visible,
+            )
+        self._show_mode()
+
+    @_counted
+    def show_drawing(self, drawing: Drawing, palette: Palette, on_pick: Callable[[int], None]) -> None:
+        """Replace the segmentation; ``on_pick(step_id)`` is called when a step's plate is clicked."""
+        scene = self.client.scene
+        self._nodes["/stair/segments/cloud"].colors = drawing.colors
+        self._replace_lines("/stair/segments/edges", drawing.edges, drawing.edge_colors)
+        self._replace_lines("/stair/segments/nosings", drawing.nosings, palette.front_edge, _NOSING_PIXELS)
+        if not len(drawing.centres):
+            self._remove("/stair/segments/centres")
+        else:
+            # Added again under the same name, it takes the old one's place without a gap.
+            self._nodes["/stair/segments/centres"] = scene.add_point_cloud(
+                "/stair/segments/centres",
+                drawing.centres.astype(np.float32),
+                palette.centre,
+                point_size=self._point_size_of("/stair/segments/centres"),
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+                visible=not self._is_cut,
+            )
+        if self._step_names != drawing.labels:
+            self._add_steps(drawing, on_pick)
+        for (plate, label), corners in zip(self._per_step, drawing.corners, strict=True):
+            plate.vertices = corners.astype(np.float32)
+            label.position = _beside(corners)
+        self._rejected = self._replace_labels(
+            self._rejected,
+            [(f"/stair/segments/rejected/{name}", name, place, "center-center") for name, place in drawing.rejected],
+        )
+
+    @_counted
+    def highlight(self, points: Floats, corners: Floats | None, color: Rgb = HIGHLIGHT) -> None:
+        """Draw points (k, 3) and the outline of a plate (4, 3) on top of the segmentation, or nothing."""
+        if not len(points):
+            self._remove("/stair/segments/selected")
+        else:
+            self._nodes["/stair/segments/selected"] = self.client.scene.add_point_cloud(
+                "/stair/segments/selected",
+                points.astype(np.float32),
+                color,
+                point_size=self._point_size_of("/stair/segments/selected"),
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+                visible=not self._is_cut,
+            )
+        outline = np.zeros((0, 2, 3))
+        if corners is not None:
+            outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+        self._replace_lines("/stair/segments/outline", outline, HIGHLIGHT, 2.0 * _EDGE_PIXELS)
+
+    @_counted
+    def show_dimensions(self, step_id: int | None, dimensions: Dimensions | None, palette: Palette) -> None:
+        """Draw the measuring lines, dimension arrows and labels of a step, or nothing."""
+        nothing = np.zeros((0, 2, 3))
+        measuring, arrows = (dimensions.measuring, dimensions.arrows) if dimensions is not None else (nothing, nothing)
+        self._replace_lines("/stair/segments/measuring", measuring, palette.measure, _EDGE_PIXELS)
+        self._replace_lines("/stair/segments/dimensions", arrows, palette.centre, _ARROW_PIXELS)
+        self._dimension_labels = self._replace_labels(
+            self._dimension_labels,
+            [
+                (f"/stair/segments/dimension_labels/{label.text.split(' ')[0]}", *_label_of(label))
+                for label in (dimensions.labels if dimensions is not None else ())
+            ],
+        )
+
+        # The numbers of the step and of its neighbours stand where the labels run.
+        self._covered_steps = frozenset()
+        if step_id is not None and self._dimension_labels:
+            self._covered_steps = frozenset(str(number) for number in (step_id - 1, step_id, step_id + 1))
+        self._show_numbers()
+
+    @_counted
+    def show_marks(self, marks: Mapping[int, StepMark]) -> None:
+        """Outline the treads of steps that are outside a limit, and put their sign beside their number."""
+        outlines, colors = [], []
+        lift_m = 2.0 * self._point_size_of("/stair/raw") * self.rotation[2]
+        for (plate, label), name in zip(self._per_step, self._step_names, strict=True):
+            mark = marks.get(int(name))
+            label.text = name if mark is None else f"{name} {mark.sign}"
+            if mark is not None:
+                corners = np.asarray(plate.vertices, dtype=np.float64) + lift_m
+                outlines.append(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
+                colors += [TONE_RGB[mark.tone]] * len(corners)
+        self._replace_lines(
+            "/stair/segments/outside",
+            np.concatenate(outlines) if outlines else np.zeros((0, 2, 3)),
+            np.array(colors, dtype=np.uint8).reshape(-1, 3),
+            _MARK_PIXELS,
+        )
+
+    @_counted
+    def show_paper_edges(self, lines: Floats) -> None:
+        """Draw the edges (k, 2, 3) that the paper places beside those of the survey, or none."""
+        self._replace_lines(_PAPER_EDGES, lines, PAPER_EDGES, _MARK_PIXELS)
+
+    @_counted
+    def show_section(
+        self, points: Floats, colors: Colors, outline: Floats | None, step_ids: Iterable[int] = ()
+    ) -> None:
+        """Show a section instead of the clouds, or, with no outline, the clouds again.
+
+        The edges of all steps would lie over it, so they go with the clouds.
+
+        Parameters
+        ----------
+        points, colors : (k, 3)
+            Of the section, local; perhaps none at all.
+        outline : (4, 3), optional
+            Corners of the section, local.
+        step_ids : iterable of int
+            Steps that it cuts, whose numbers stay.
+        """
+        self._is_cut = outline is not None
+        self._cut_steps = frozenset(map(str, step_ids))
+        if outline is None or not len(points):
+            self._remove("/stair/section/cloud")
+        else:
+            self._nodes["/stair/section/cloud"] = self.client.scene.add_point_cloud(
+                "/stair/section/cloud",
+                points.astype(np.float32),
+                colors,
+                point_size=self._point_size_of("/stair/section/cloud"),
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+            )
+        lines = np.zeros((0, 2, 3)) if outline is None else np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
+        self._replace_lines("/stair/section/outline", lines, HIGHLIGHT, _ARROW_PIXELS)
+        self._show_mode()
+
+    @_counted
+    def show_measurements(self, drawing: MeasureDrawing | None) -> None:
+        """Draw what was measured by hand, or nothing; it stays when the result changes."""
+        nothing = np.zeros((0, 2, 3))
+        self._replace_lines("/stair/measured/lines", drawing.lines if drawing else nothing, MEASURED, _EDGE_PIXELS)
+        self._replace_lines("/stair/measured/legs", drawing.legs if drawing else nothing, MEASURED, _ARROW_PIXELS / 2.0)
+        if drawing is None or not len(drawing.points):
+            self._remove("/stair/measured/points")
+        else:
+            self._nodes["/stair/measured/points"] = self.client.scene.add_point_cloud(
+                "/stair/measured/points",
+                drawing.points.astype(np.float32),
+                MEASURED,
+                point_size=self._point_size_of("/stair/measured/points"),
+                point_shape="circle",
+                point_shading="flat",
+                precision="float32",
+            )
+        labels = drawing.labels if drawing is not None else ()
+        self._measure_labels = self._replace_labels(
+            self._measure_labels,
+            [(f"/stair/measured/labels/{name}", words, place, anchor) for name, words, place, anchor in labels],
+        )
+
+    @_counted
+    def set_mode(self, mode: Mode) -> None:
+        """Show the raw cloud, the segmentation, or both side by side; a section stands in for both clouds."""
+        self.mode = mode
+        self._show_mode()
+
+    @_counted
+    def lend(self, mode: Mode | None) -> None:
+        """Show a mode for a picture, without what has no part in pictures; None shows again what is chosen."""
+        self._lent = mode
+        self._show_mode()
+
+    @_counted
+    def set_point_size(self, size_m: float) -> None:
+        """Set the diameter of the points, metres."""
+        self.point_size_m = size_m
+        self._size_points()
+
+    @_counted
+    def magnify(self, factor: float) -> None:
+        """Draw points so many times as large as chosen, for a picture; 1 draws them again as chosen."""
+        self._magnified = factor
+        self._size_points()
+
+    def visible_extent(self) -> Floats:
+        """Return the corners (n, 3) of what the present mode shows, in the coordinates of the view."""
+        shift_m = self.shift_m()
+        if shift_m == 0.0:
+            return self.extent
+        return np.vstack([self.extent, self.extent + np.array([shift_m, 0.0, 0.0])])
+
+    def shift_m(self) -> float:
+        """Return how far to the right the segmentation stands, metres; 0 unless it stands beside the raw cloud."""
+        if self._mode_shown != "Side by side" or self._is_cut:
+            return 0.0
+        return float(np.ptp(self.extent[:, 0])) * (1.0 + _GAP_SHARE)
+
+    @_counted
+    def clear(self) -> None:
+        """Remove everything."""
+        self._remove_steps()
+        self._rejected = self._replace_labels(self._rejected, [])
+        self._dimension_labels = self._replace_labels(self._dimension_labels, [])
+        self._measure_labels = self._replace_labels(self._measure_labels, [])
+        self._is_cut = False
+        for name in list(self._nodes)[::-1]:
+            self._remove(name)
+
+    @property
+    def _mode_shown(self) -> Mode:
+        return self._lent or self.mode
+
+    def _show_mode(self) -> None:
+        if "stair" not in self._nodes:
+            return
+        mode = self._mode_shown
+        self._nodes["/stair/raw"].visible = mode != "Segmented" and not self._is_cut
+        for name in (*_CLOUDS, *_LINES):
+            if name in self._nodes:
+                self._nodes[name].visible = not self._is_cut
+        self._show_numbers()
+        self._nodes["region"].visible = self._lent is None
+        self._nodes["segments"].visible = mode != "Raw"
+        # Along the view's x axis, given in the frame's own axes.
+        self._nodes["segments"].position = self.shift_m() * self.rotation[0]
+
+    def _point_size_of(self, name: str) -> float:
+        return _POINT_FACTORS[name] * self.point_size_m * self._magnified
+
+    def _size_points(self) -> None:
+        for name in _POINT_FACTORS:
+            if name in self._nodes:
+                self._nodes[name].point_size = self._point_size_of(name)
+
+    def _show_numbers(self) -> None:
+        for (_, label), name in zip(self._per_step, self._step_names, strict=True):
+            label.visible = name not in self._covered_steps and (not self._is_cut or name in self._cut_steps)
+
+    def _add_steps(self, drawing: Drawing, on_pick: Callable[[int], None]) -> None:
+        self._remove_steps()
+        self._step_names = drawing.labels
+        for corners, text in zip(drawing.corners, drawing.labels, strict=True):
+            # All but invisible: it is there to be clicked.
+            plate = self.client.scene.add_mesh_simple(
+                f"/stair/segments/steps/{text}",
+                corners.astype(np.float32),
+                np.array([[0, 1, 2], [0, 2, 3]]),
+                color=HIGHLIGHT,
+                opacity=0.02,
+                side="double",
+                cast_shadow=False,
+                receive_shadow=False,
+            )
+            plate.on_click(partial(_pick, on_pick, int(text)))
+            label = self.client.scene.add_label(
+                f"/stair/segments/labels/{text}",
+                text,
+                position=_beside(corners),
+                anchor="center-center",
+                font_screen_scale=0.9,
+            )
+            self._per_step.append((plate, label))
+
+    def _remove_steps(self) -> None:
+        for plate, label in self._per_step:
+            plate.remove()
+            label.remove()
+        self._per_step, self._step_names = [], ()
+
+    def _replace_labels(self, old: list[Any], labels: list[tuple[str, str, Floats, Any]]) -> list[Any]:
+        """Replace labels by others, given as node name, text, place and anchor; return their nodes."""
+        kept = {name for name, *_ in labels}
+        for node in old:
+            # Added again under the same name, a label takes the old one's place without a gap.
+            if node.name not in kept:
+                node.remove()
+        return [
+            self.client.scene.add_label(name, words, position=place, anchor=anchor, font_screen_scale=0.85)
+            for name, words, place, anchor in labels
+        ]
+
+    def _replace_lines(self, name: str, segments: Floats, colors: Colors | Rgb, pixels: float = _EDGE_PIXELS) -> None:
+        """Replace lines (k, 2, 3), with a colour for each (k, 3) or one for all."""
+        if not len(segments):
+            self._remove(name)
+            return
+        colors = np.broadcast_to(np.array(colors, dtype=np.uint8), (len(segments), 3))
+        self._nodes[name] = self.client.scene.add_line_segments(
+            name,
+            segments.astype(np.float32),
+            np.repeat(_linear(colors)[:, None, :], 2, axis=1),
+            thickness=pixels,
+            thickness_units="screen",
+            visible=not (self._is_cut and name in _LINES),
+        )
+
+    def _remove(self, name: str) -> None:
+        if name in self._nodes:
+            self._nodes.pop(name).remove()
+
+
+def _linear(colors: Colors) -> Colors:
+    """Return the intensities that the browser turns back into these colours: for lines alone it takes them as light."""
+    shares = colors / 255.0
+    light = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+    return np.rint(255.0 * light).astype(np.uint8)
+
+
+def _label_of(label: Label) -> tuple[str, Floats, Anchor]:
+    return label.text, label.position, label.anchor
+
+
+def _pick(on_pick: Callable[[int], None], step_id: int, _: Any) -> None:
+    on_pick(step_id)
+
+
+def _beside(corners: Floats) -> Floats:
+    """Return the place of a step's label: to the right of its front edge, where it covers no tread."""
+    across = corners[1] - corners[0]
+    length = float(np.linalg.norm(across))
+    place: Floats = corners[1] + (0.12 / length) * across if length > 0.0 else corners[1]
+    return place

@@ -1,1 +1,0 @@
-"""The tools with which an inspector looks and measures in the scene, one file each: its controls and what they do."""

@@ -1,0 +1,1 @@
+"""One writer for each medium: HTML, PDF, XLSX, CSV, JSON, DXF."""

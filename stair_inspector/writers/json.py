@@ -1,0 +1,19 @@
+"""An inspection as JSON."""
+
+import json
+
+from stair_inspector.codes import Check
+from stair_inspector.content.records import inspection_to_dict
+from stair_inspector.model import (
+    Inspection,
+)
+
+
+def json_bytes(inspection: Inspection, check: Check | None = None) -> bytes:
+    """Return the inspection as JSON, schema ``stair-inspector/inspection-1``: SI, positions in the scan frame.
+
+    A check against a rule set is its field ``check``, null without one.
+    """
+    text = json.dumps(inspection_to_dict(inspection, check), indent=1, ensure_ascii=False, allow_nan=False)
+    # A lone surrogate, as in a file name that is no UTF-8, cannot be encoded: it is written as an escape.
+    return (text + "\n").encode("utf-8", errors="backslashreplace")

@@ -1,0 +1,106 @@
+"""A report in all its formats and its drawings, made from one content, and written completely or not at all."""
+
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+
+from stair_inspector.codes.findings import Check
+from stair_inspector.content.document import Document
+from stair_inspector.content.fields import ReportBasis
+from stair_inspector.content.order import build
+from stair_inspector.files.atomic import write_all_atomically
+from stair_inspector.model import Inspection, Scan
+from stair_inspector.pictures.render import RenderedView
+from stair_inspector.writers.dxf import dxf_files
+from stair_inspector.writers.figures import draw_pictures
+from stair_inspector.writers.html import html_bytes
+from stair_inspector.writers.pdf import pdf_bytes
+from stair_inspector.writers.xlsx import xlsx_bytes
+
+SUFFIXES = ("_report.pdf", "_report.html", "_report.xlsx")
+"""What is added to a scan's stem for each format, in order."""
+DRAWING_SUFFIXES = {"plan": "_plan.dxf", "section": "_section.dxf"}
+"""The same for the drawings, which are made where nosings were measured."""
+
+
+def report_paths(folder: Path, stem: str) -> tuple[Path, ...]:
+    """Return where the files of a report of a scan with this stem may go."""
+    return tuple(folder / f"{stem}{suffix}" for suffix in (*SUFFIXES, *DRAWING_SUFFIXES.values()))
+
+
+def make_report(
+    scan: Scan,
+    inspection: Inspection,
+    basis: ReportBasis,
+    made_at: datetime,
+    check: Check | None = None,
+    views: Sequence[RenderedView] | None = None,
+) -> Document:
+    """Return a report's content with its pictures.
+
+    Parameters
+    ----------
+    scan, inspection
+        The same scan that was inspected.
+    basis : ReportBasis
+        What the user adds.
+    made_at : datetime
+        The report's date: the same input gives the same bytes but for it.
+    check : Check, optional
+        The same inspection held against a rule set.
+    views : sequence of RenderedView, optional
+        Pictures of the inspector's own scene; by default they are rendered without a display.
+    """
+    title = basis.fields.stair or basis.fields.title
+    pictures = draw_pictures(scan, inspection, check, made_at, title=title, views=views)
+    return build(inspection, check, basis, made_at, pictures)
+
+
+def report_bytes(document: Document) -> dict[str, bytes]:
+    """Return the report by suffix: PDF, HTML and XLSX.
+
+    Raises
+    ------
+    MissingLibrary
+        A library that typesets is not installed.
+    """
+    return dict(zip(SUFFIXES, (pdf_bytes(document), html_bytes(document), xlsx_bytes(document)), strict=True))
+
+
+def drawing_bytes(inspection: Inspection, made_at: datetime) -> dict[str, bytes]:
+    """Return the drawings by suffix: plan and section as DXF; none where no nosing was measured.
+
+    Raises
+    ------
+    MissingLibrary
+        ezdxf is not installed.
+    """
+    return {DRAWING_SUFFIXES[key]: data for key, data in dxf_files(inspection, made_at).items()}
+
+
+def write_report(
+    scan: Scan,
+    inspection: Inspection,
+    folder: Path,
+    stem: str,
+    basis: ReportBasis,
+    made_at: datetime,
+    check: Check | None = None,
+    views: Sequence[RenderedView] | None = None,
+) -> list[Path]:
+    """Write ``STEM_report.pdf``, ``.html``, ``.xlsx``, ``STEM_plan.dxf`` and ``STEM_section.dxf`` into a folder.
+
+    Parameters as :func:`make_report`.
+
+    Raises
+    ------
+    MissingLibrary
+        A library that typesets is not installed.
+    WriteError
+        The folder cannot be written; files that existed are untouched.
+    """
+    document = make_report(scan, inspection, basis, made_at, check, views)
+    made = report_bytes(document) | drawing_bytes(inspection, made_at)
+    contents = {folder / f"{stem}{suffix}": data for suffix, data in made.items()}
+    write_all_atomically(contents)
+    return list(contents)

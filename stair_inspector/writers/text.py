@@ -1,0 +1,183 @@
+"""A check and a rule set as plain text, as a terminal shows them."""
+
+import itertools
+import unicodedata
+from collections.abc import Iterable, Sequence
+
+from stair_inspector.codes.findings import DECISIONS, Check, Finding, Verdict, gravest
+from stair_inspector.codes.phrases import gap_text, in_place_of, limit_words, limits_text, place_text, value_text
+from stair_inspector.codes.rules import GRADES, OWN_FILE, Rule, RuleSet
+from stair_inspector.content.verdicts import verdict_sentence
+from stair_inspector.units import shown
+
+_STATISTICS = {
+    "each": "each step",
+    "flight_range": "largest less smallest of a flight",
+    "adjacent_difference": "between neighbours",
+    "flight": "of a flight",
+}
+
+
+def check_text(check: Check) -> str:
+    """Return a check as text: the set and the decision rule, a row per rule, what is outside, what was not judged."""
+    lines = [*_head_of(check), "", *_indented(_table(_rows_of(check))), ""]
+    lines += _section("outside", _outside(check))
+    lines += _section("not measured or not judged", _unjudged(check))
+    lines += _section("the scan is not fit for", _fits_of(check, "not fit"))
+    lines += _section("whether the scan is fit cannot be said for", _fits_of(check, "cannot be said"))
+    lines += _section("not assessed from a scan", check.not_assessed)
+    lines += _section("notes", check.notes)
+    return "\n".join([*lines, f"  {verdict_sentence(check)}"])
+
+
+def rule_sets_text(rule_sets: Sequence[RuleSet]) -> str:
+    """Return a row per rule set: id, edition, grades, name and variant, SHA-256 of its file."""
+    rows: list[Sequence[str]] = [("id", "grades", "edition", "name and variant")]
+    for each in rule_sets:
+        name = ", ".join(part for part in (each.name, each.variant) if part)
+        rows.append((each.set_id, each.grades, each.edition, f"{name} [overlay]" if each.is_overlay else name))
+    lines = []
+    for row, rule_set in zip(_table(rows), (None, *rule_sets), strict=True):
+        lines.append(row)
+        if rule_set is not None:
+            lines.append(f"    SHA-256 {rule_set.sha256}")
+    return "\n".join([*lines, "", *(f"grade {grade}: {words}" for grade, words in GRADES.items())])
+
+
+def rule_set_text(rule_set: RuleSet) -> str:
+    """Return a rule set with all its records."""
+    lines = [f"{rule_set.set_id}: {rule_set.title}", f"  source: {rule_set.source}"]
+    lines += [f"  file: {rule_set.file}, SHA-256 {rule_set.sha256}", ""]
+    for rule in rule_set.rules:
+        lines += _record_of(rule)
+    lines += _section("not assessed from a scan", rule_set.not_assessed)
+    return "\n".join(lines).rstrip()
+
+
+def _head_of(check: Check) -> Iterable[str]:
+    rule_set = check.rule_set
+    yield f"checked against {rule_set.set_id}: {rule_set.title}"
+    yield f"  rule file {rule_set.file or 'none'}, SHA-256 {rule_set.sha256 or 'none'}"
+    for overlay in rule_set.overlays:
+        yield f"  with the overlay {overlay}"
+    for edit in rule_set.edits:
+        change = f"{edit.side} {limit_words(edit.before)} became {limit_words(edit.after)}"
+        yield f"  edited by the user: {edit.rule_id}, {change}: {edit.reason}"
+    if not rule_set.is_edited:
+        yield f"  edited by the user: {rule_set.edited_words}"
+    elif not rule_set.is_shipped:
+        yield f"  {OWN_FILE}"
+    yield f"  {DECISIONS[check.decision]}"
+
+
+def _rows_of(check: Check) -> list[Sequence[str]]:
+    rows: list[Sequence[str]] = [("rule", "clause", "limit", "value that decides", "margin", "at", "scan", "result")]
+    rule_set = check.rule_set
+    for rule, fit in zip(rule_set.rules, check.fits, strict=True):
+        findings = check.of_rule(rule.rule_id)
+        worst = gravest(findings)
+        has_margin = worst.margin is not None and worst.verdict is not Verdict.REPORTED
+        margin = shown(rule.quantity, worst.margin) if has_margin and worst.margin is not None else "-"
+        rows.append(
+            (
+                rule.rule_id,
+                rule.clause,
+                limits_text(rule_set, rule),
+                _value_of(worst),
+                margin,
+                place_text(worst),
+                fit.short,
+                _result_of(rule, worst, findings),
+            )
+        )
+    return rows
+
+
+def _value_of(found: Finding) -> str:
+    """Return the value; with what it is of, where that is less than the clause limits."""
+    is_less = found.rule.from_scan == "partly" and found.rule.quantity == "width" and found.value is not None
+    return f"{value_text(found)} (tread width)" if is_less else value_text(found)
+
+
+def _result_of(rule: Rule, worst: Finding, findings: Sequence[Finding]) -> str:
+    words = worst.verdict.words
+    if rule.severity == "advisory" and worst.verdict.is_outside:
+        words += " (advisory)"
+    if len(findings) == 1:
+        return words
+    alike = sum(found.verdict.is_outside for found in findings) if worst.verdict.is_outside else 0
+    alike = alike or sum(found.verdict is worst.verdict for found in findings)
+    return words if alike == len(findings) else f"{words}: {alike} of {len(findings)}"
+
+
+def _outside(check: Check) -> Iterable[str]:
+    for found in check.findings:
+        if found.verdict.is_outside and found.limit is not None and found.margin is not None:
+            less = ", which is less than U" if found.verdict is Verdict.OUTSIDE_CLOSE else ""
+            side = "at least" if found.side == "minimum" else "at most"
+            edit = check.edit_behind(found)
+            yield (
+                f"{found.rule.term}, {place_text(found)}: {value_text(found)}, outside by "
+                f"{gap_text(found.rule, -found.margin)}{less}; {found.rule.clause}: {side} {found.limit.text}"
+                + ("" if edit is None else f", set by the user {in_place_of(edit)}")
+                + (f" (for {found.rule.applies})" if found.rule.applies else "")
+                + (f"; {found.reason}" if found.reason else "")
+            )
+
+
+def _unjudged(check: Check) -> Iterable[str]:
+    unsure = [found for found in check.findings if found.verdict in (Verdict.NOT_MEASURED, Verdict.NOT_JUDGED)]
+    # One reason, such as no staircase, may stand for all rules.
+    for (place, reason), group in itertools.groupby(
+        sorted(unsure, key=lambda found: (place_text(found), found.reason)),
+        key=lambda found: (place_text(found), found.reason),
+    ):
+        rules = list(dict.fromkeys(found.rule.rule_id for found in group))
+        yield f"{place}: {reason} ({', '.join(rules)})"
+
+
+def _fits_of(check: Check, answer: str) -> Iterable[str]:
+    return (f"{fit.rule_id}: {fit.words.removeprefix(f'{answer}: ')}" for fit in check.fits if fit.short == answer)
+
+
+def _record_of(rule: Rule) -> Iterable[str]:
+    yield f"  {rule.rule_id}: {rule.term}, {rule.limit_text} ({rule.clause})"
+    measure = (
+        "not assessed from a scan" if rule.from_scan == "no" else f"{rule.quantity}, {_STATISTICS[rule.statistic]}"
+    )
+    severity = rule.severity.replace("_", " ")
+    yield f"      measured as: {measure}; severity: {severity}; from a scan: {rule.from_scan}; grade: {rule.grade}"
+    if rule.applies:
+        yield f"      applies to: {rule.applies}"
+    if rule.only_where is not None:
+        yield f"      only where: {rule.only_where.quantity} below {rule.only_where.below.text}"
+    if rule.note:
+        yield f"      {rule.note}"
+    yield ""
+
+
+def _section(title: str, sentences: Iterable[str]) -> list[str]:
+    rows = [f"    {sentence}" for sentence in sentences]
+    return [f"  {title}:", *rows, ""] if rows else []
+
+
+def _table(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return the rows with their columns aligned, two spaces between them."""
+    widths = [max(map(_width, column)) for column in zip(*rows, strict=True)]
+    lines = []
+    for row in rows:
+        cells = (cell + " " * (width - _width(cell)) for cell, width in zip(row, widths, strict=True))
+        lines.append("  ".join(cells).rstrip())
+    return lines
+
+
+def _width(text: str) -> int:
+    """Return how many places of a terminal a text takes: those of East Asian letters are two wide."""
+    return sum(
+        0 if unicodedata.combining(letter) else 2 if unicodedata.east_asian_width(letter) in "WF" else 1
+        for letter in text
+    )
+
+
+def _indented(lines: Iterable[str]) -> list[str]:
+    return [f"  {line}" for line in lines]

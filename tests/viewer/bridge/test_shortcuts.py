@@ -1,0 +1,77 @@
+"""Keys: each has one meaning, and the help card lists them all."""
+
+import threading
+from types import SimpleNamespace
+
+from stair_inspector.viewer.bridge.notices import Notices
+from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_html
+from stair_inspector.viewer.bridge.reach_drag import drag_attributes
+from stair_inspector.viewer.bridge.shortcuts import Command, help_html, key_words
+from stair_inspector.viewer.wiring import commands_of
+
+
+class Anything:
+    """Has every attribute and can be called."""
+
+    def __getattr__(self, name):
+        return Anything()
+
+    def __call__(self, *_):
+        return None
+
+
+def commands():
+    session = Anything()
+    session.__dict__["notices"] = SimpleNamespace(guard=lambda action: action)
+    return commands_of(session)
+
+
+def test_no_key_has_two_meanings_and_no_two_commands_the_same_name():
+    keys = [(command.key, command.modifier) for command in commands() if command.key]
+    assert len(set(keys)) == len(keys)
+    labels = [command.label for command in commands()]
+    assert len(set(labels)) == len(labels)
+
+
+def test_the_help_card_lists_every_key_with_what_it_does():
+    card = help_html(commands())
+    for command in commands():
+        if command.key:
+            assert f">{key_words(command)}</kbd>" in card
+            assert command.label in card
+    assert "Shift+click" in card
+
+
+def test_keys_are_written_as_people_do():
+    assert key_words(Command("", print, "Z", "cmd/ctrl+shift")) == "Ctrl+Shift+Z"
+    assert key_words(Command("", print, "arrowup")) == "↑"
+    assert key_words(Command("", print, "S")) == "S"
+
+
+def test_what_lies_over_the_scene_is_escaped_and_stays_out_of_the_mouses_way():
+    html = toolbar_html(((Tool("<b>", '"x"', "id", "it's"),),))
+    assert "<b>" not in html
+    assert "&quot;x&quot;" in html
+    assert "pointer-events:none" in overlay_html("")
+
+
+def test_a_drag_stays_within_the_range_of_eps_z():
+    assert "Math.min(100,Math.max(1," in drag_attributes("id", 400.0, 5.0)
+
+
+def test_what_takes_long_is_shown_while_it_lasts_and_what_does_not_is_not():
+    shown, removed = [], []
+    is_shown = threading.Event()
+
+    def add(title, body, **_):
+        shown.append(title)
+        is_shown.set()
+        return SimpleNamespace(remove=lambda: removed.append(title))
+
+    notices = Notices(SimpleNamespace(add_notification=add))
+    with notices.working("short"):
+        pass
+    with notices.working("long"):
+        assert is_shown.wait(10.0)
+        assert removed == []
+    assert (shown, removed) == (["long"], ["long"])

@@ -1,0 +1,113 @@
+"""What was found about a scan, on the page: gravest first, a button where a setting is the cure, else nothing."""
+
+import contextlib
+import dataclasses
+from types import SimpleNamespace
+
+import pytest
+
+from stair_inspector.errors import ConfigError
+from stair_inspector.model import Observation
+from stair_inspector.params import Params
+from stair_inspector.viewer.bridge.markup import list_key, pick_script
+from stair_inspector.viewer.parts.desk import Desk
+from stair_inspector.viewer.parts.steps import html
+from stair_inspector.viewer.parts.steps.examination_html import CURE, examination_html, headline_html, offered_cures
+from stair_inspector.viewer.parts.steps.verdicts import Deciding
+from tests.viewer.parts.steps.test_html import HOSTILE, Page
+from tests.viewer.surveyed import PALETTE, surveyed
+
+ASKED = Observation("up_unsure", "question", "two ways to read it", None, "--up=z or --up=-y")
+DOUBT = Observation("rounded", "doubt", "a step of 1 mm", 0.001, "export with more decimals")
+SPARSE = Observation("sparse", "doubt", "60 points a tread", None, "--levels.min-points 20")
+INFO = Observation("lattice", "info", "a lattice of 5 mm")
+
+
+def of(*found):
+    return dataclasses.replace(surveyed()[1], examination=found)
+
+
+def rows(source):
+    return [(row["data-level"], row["data-code"]) for row in Page(source).of("div") if "data-level" in row]
+
+
+@pytest.mark.parametrize("show", [headline_html, examination_html])
+def test_nothing_is_shown_of_a_sound_scan_or_of_none(show):
+    assert show(None, "id") == ""
+    assert show(of(), "id") == ""
+
+
+@pytest.mark.parametrize("show", [headline_html, examination_html])
+def test_what_was_found_is_told_by_sign_and_word_the_question_first(show):
+    source = show(of(DOUBT, ASKED), "id")
+    assert rows(source) == [("question", "up_unsure"), ("doubt", "rounded")]
+    words = Page(source).words
+    assert words.index("? question") < words.index("two ways") < words.index("▲ doubt") < words.index("a step of 1 mm")
+    assert "No value is given and nothing is judged before this is answered" in words
+
+
+def test_the_tab_has_all_in_full_and_the_headline_the_gravest():
+    inspection = of(INFO, DOUBT, SPARSE, dataclasses.replace(INFO, code="second"))
+    assert len(rows(examination_html(inspection, "id"))) == 4
+    assert "Export with more decimals" in Page(examination_html(inspection, "id")).words
+    assert rows(headline_html(inspection, "id")) == [("doubt", "rounded"), ("doubt", "sparse"), ("info", "lattice")]
+    assert "and 1 more on the Scan tab" in Page(headline_html(inspection, "id")).words
+
+
+def test_a_cure_that_is_a_setting_is_a_button_that_names_it():
+    inspection = of(SPARSE, ASKED)
+    offered = offered_cures(inspection)
+    assert [cure.words for cure in offered] == ["up is z", "up is -y", "set m (points in reach) to 20"]
+    source = headline_html(inspection, "the-control")
+    buttons = [each for each in Page(source).of("button") if each["data-testid"] == "cure"]
+    key = list_key(offered)
+    assert [each["onclick"] for each in buttons] == [
+        pick_script("the-control", number, f"{CURE} {key}") for number in (1, 2, 3)
+    ]
+    words = Page(source).words
+    assert words.index("Up is z") < words.index("Up is -y") < words.index("Set m (points in reach) to 20")
+    assert "--" not in words
+    assert Page(headline_html(inspection, None)).of("button") == []
+
+
+def test_a_press_takes_the_settings_and_a_late_one_is_refused():
+    taken = []
+    desk = Desk(SimpleNamespace(atomic=contextlib.nullcontext), None, (PALETTE, PALETTE), None)
+    desk.shown = SimpleNamespace(inspection=of(ASKED))
+    editor = SimpleNamespace(adjust=lambda change, words: taken.append((change(Params()).up, words)))
+    deciding = Deciding(desk, None, None, None, editor)
+    key = list_key(offered_cures(of(ASKED)))
+    deciding.take_cure(f"{CURE} {key} 2:1700")
+    assert taken == [("-y", "up is -y")]
+    desk.shown = SimpleNamespace(inspection=of(SPARSE))
+    for late in (f"{CURE} {key} 2:1700", f"{CURE} {key} 9:1", f"{CURE} x:1"):
+        with pytest.raises(ConfigError):
+            deciding.take_cure(late)
+    assert len(taken) == 1
+
+
+@pytest.mark.parametrize("show", [headline_html, examination_html])
+@pytest.mark.parametrize("level", ["question", "doubt", "info"])
+def test_texts_of_a_scan_are_never_markup(show, level):
+    hostile = Observation(HOSTILE, level, HOSTILE, None, HOSTILE)
+    assert Page(show(of(hostile), "id")).of("img") == []
+
+
+def test_a_withheld_table_and_its_note_say_what_is_missing_without_flags():
+    held = of(ASKED)
+    assert held.is_withheld
+    table = html.table_html(held, PALETTE, None, None, "survey")
+    assert "No value is given before the question above is answered." in Page(table).words
+    titles = {
+        cell.get("title")
+        for cell in Page(
+            html.table_html(
+                dataclasses.replace(held, steps=tuple(dataclasses.replace(step, rise_m=None) for step in held.steps)),
+                PALETTE,
+                None,
+                None,
+                "survey",
+            )
+        ).of("td")
+    }
+    assert "withheld until the question about the scan is answered" in titles

@@ -1,0 +1,84 @@
+"""Values that hang on the settings are marked on the page once a result has stood, and not those of another result."""
+
+import dataclasses
+import threading
+
+import pytest
+
+from stair_inspector.model import Note
+from stair_inspector.params import Params
+from stair_inspector.stability import CODE
+from stair_inspector.viewer.compute.worker import Cancelled
+from stair_inspector.viewer.parts.steps import html, settling
+from tests.viewer.parts.tune.test_paper_edges import slide
+from tests.viewer.wire_page import await_that
+
+WORDS = "the going of step 2 hangs on the settings: it moves by 9.0 mm, more than its u, where θ_th is 15.5 °"
+NOTE = Note(CODE, "stability", WORDS, 2)
+
+
+@pytest.fixture
+def looked(monkeypatch):
+    """What is looked into; each finds that a going hangs on the settings, as long as theta_th is the usual one."""
+    seen = []
+
+    def mark(scan, params, inspection, memo):
+        seen.append(params)
+        is_usual = params.horizontal.theta_deg == Params().horizontal.theta_deg
+        return dataclasses.replace(inspection, notes=(*inspection.notes, NOTE)) if is_usual else inspection
+
+    monkeypatch.setattr(settling, "mark_unsettled", mark)
+    return seen
+
+
+def test_a_mark_is_in_the_table_on_the_card_and_among_the_notes_and_goes_with_the_next_result(looked, page):
+    session = page.session
+    before = session.desk.shown
+    await_that(lambda: "hangs on the settings" in session.panel.details.content, "nothing is marked")
+    assert session.desk.shown is before
+    plain = html.table_html(session.desk.inspection, session.desk.palette, None, None, "survey")
+    assert "unsettled" not in plain
+    table = html.table_html(session.desk.marked, session.desk.palette, None, None, "survey")
+    assert table.count('data-testid="unsettled"') == 1
+    assert f'title="{WORDS}"' in table
+    session.results.select(2)
+    assert "hangs on the settings" in session.panel.steps.card.content
+    assert "▲" in session.panel.state.content
+    slide(page, "horizontal.theta_deg", 20.0)
+    assert "hangs on the settings" not in session.panel.details.content
+    await_that(lambda: len(looked) == 2, "the next result is not looked into")
+    assert session.desk.unsettled == ()
+
+
+def test_what_is_looked_into_is_given_up_for_the_next_result(monkeypatch, page):
+    is_begun, may_go_on, ended = threading.Event(), threading.Event(), []
+
+    def mark(scan, params, inspection, memo):
+        if is_begun.is_set():
+            return inspection
+        is_begun.set()
+        assert may_go_on.wait(60.0)
+        try:
+            memo.run("flights", lambda: None)
+        except Cancelled:
+            ended.append("cancelled")
+            raise
+        ended.append("went on")
+        return inspection
+
+    monkeypatch.setattr(settling, "mark_unsettled", mark)
+    await_that(is_begun.is_set, "nothing is looked into")
+    slide(page, "levels.eps_m", 21.0)
+    may_go_on.set()
+    await_that(lambda: ended, "it does not end")
+    assert ended == ["cancelled"]
+
+
+def test_what_was_given_up_for_a_run_that_came_to_nothing_is_looked_into_again(looked, page):
+    session = page.session
+    # As while a run goes on that is cancelled in the end.
+    busy = iter([True, True])
+    session.settling._is_busy = lambda: next(busy, False)
+    session.settling.renew()
+    await_that(lambda: "hangs on the settings" in session.panel.details.content, "nothing is marked")
+    assert next(busy, None) is None

@@ -1,0 +1,263 @@
+"""Earlier results and sweeps without a page: what is listed, what is measured for it, and what a Cancel leaves."""
+
+import dataclasses
+import threading
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from stair_inspector.params import Params
+from stair_inspector.pipeline import inspect
+from stair_inspector.viewer.compute.worker import Cancelled
+from stair_inspector.viewer.parts.desk import Shown
+from stair_inspector.viewer.parts.tune.runs import Comparing
+from stair_inspector.viewer.parts.tune.tab import AS_SHOWN, NO_RUN
+from tests.synthetic import Stair, exact_params
+
+LONG_S = 20.0
+# Normals that are estimated are a heavy stage.
+PARAMS = exact_params(up="z").replaced("normals.source", "estimate")
+
+
+class Tab:
+    """In the place of the Tune tab: what the page would show."""
+
+    def __init__(self):
+        self.comparison, self.sweep = SimpleNamespace(content=""), SimpleNamespace(content="")
+        self.run_name = SimpleNamespace(value="run 1")
+        self.sweep_setting = SimpleNamespace(value="m")
+        self.sweep_quantity = SimpleNamespace(value="Mean rise")
+        self.titles, self.a, self.b, self.is_sweeping = (), NO_RUN, AS_SHOWN, False
+
+    def offer_runs(self, titles, a, b):
+        self.titles, self.a, self.b = titles, a, b
+
+    def show_sweeping(self, is_sweeping):
+        self.is_sweeping = is_sweeping
+
+
+class Desk:
+    def __init__(self, shown):
+        self.shown, self.unit, self.is_closed, self.lock = shown, "mm", False, threading.RLock()
+        self.client, self.told = SimpleNamespace(client_id=1), []
+        self.notices = SimpleNamespace(tell=lambda *words, **_: self.told.append(words), log=self.told.append)
+
+    def result(self, what):
+        return self.shown
+
+
+class Workshop:
+    """Computes heavy stages when let go; ``asked`` are the units in which the file was read."""
+
+    def __init__(self, scans):
+        self.scans, self.asked, self.n_heavy = scans, [], 0
+        self.gate = threading.Event()
+        self.gate.set()
+
+    def read(self, path, unit, is_wanted):
+        self.asked.append((path, unit))
+        return self.scans[unit]
+
+    def heavy(self, function, *inputs, is_wanted):
+        self.n_heavy += 1
+        while not self.gate.wait(0.005):
+            if not is_wanted():
+                raise Cancelled
+        return function(*inputs)
+
+
+class Editor:
+    def __init__(self):
+        self.work, self.applied, self.comparing = SimpleNamespace(runs=()), [], None
+
+    def edit(self, words, change):
+        self.work.runs = change(self.work)["runs"]
+        self.comparing.show()
+
+    def adjust(self, change, words):
+        self.applied.append((change(PARAMS.replaced("levels.min_points", 7)), words))
+
+
+@pytest.fixture(scope="module")
+def measured():
+    scan = Stair(noise=0.001, risers=True).scan()
+    return scan, inspect(scan, PARAMS)
+
+
+@pytest.fixture
+def page(measured):
+    scan, inspection = measured
+    tab, desk, editor = Tab(), Desk(Shown("stair.ply", scan, None, inspection)), Editor()
+    workshop = Workshop({"mm": scan})
+    comparing = Comparing(desk, SimpleNamespace(tune=tab), editor, workshop, lambda: "folder/stair.ply")
+    editor.comparing = comparing
+    comparing.show()
+    yield SimpleNamespace(tab=tab, desk=desk, editor=editor, workshop=workshop, comparing=comparing, scan=scan)
+    desk.is_closed = True
+    workshop.gate.set()
+    comparing.close()
+
+
+def await_true(condition):
+    ends = time.monotonic() + LONG_S
+    while not condition():
+        assert time.monotonic() < ends
+        time.sleep(0.005)
+
+
+def show_result(page, **changes):
+    """Show another result, as a run does."""
+    shown = page.desk.shown
+    inspection = dataclasses.replace(shown.inspection, **changes)
+    page.desk.shown = dataclasses.replace(shown, inspection=inspection, scan=changes.get("scan", shown.scan))
+    page.comparing.show()
+
+
+def with_m(value):
+    return PARAMS.replaced("levels.min_points", value)
+
+
+def test_every_result_is_in_the_history_and_two_earlier_ones_are_compared(page):
+    for value in (100, 400):
+        show_result(page, params=with_m(value))
+        # The next change comes long after, so that it is no drag.
+        page.comparing._history._clock = lambda value=value: 1e6 + value
+    assert [title.split(" ")[:2] for title in page.tab.titles] == [["#3", "m"], ["#2", "m"], ["#1", "first"]]
+    page.comparing.compare_with("#1 first result, 5 steps")
+    await_true(lambda: "comparison-table" in page.tab.comparison.content)
+    assert "<b>A:</b> #1 first result, 5 steps · <b>B:</b> what is shown" in page.tab.comparison.content
+    second = next(title for title in page.tab.titles if title.startswith("#2"))
+    page.comparing.compare_to(second)
+    await_true(lambda: f"<b>B:</b> {second}" in page.tab.comparison.content)
+    assert (page.tab.a, page.tab.b) == ("#1 first result, 5 steps", second)
+    page.comparing.take_settings()
+    assert page.editor.applied == [(PARAMS, "settings of #1 first result, 5 steps")]
+    page.comparing.forget()
+    assert "#1 first result, 5 steps" not in page.tab.titles
+    assert page.tab.comparison.content == ""
+
+
+def test_a_kept_run_is_measured_once_and_forgotten_for_good(page):
+    page.comparing.keep("narrow  bands")
+    assert page.tab.titles[0] == page.tab.a == "narrow bands"
+    assert "The settings are the same." in page.tab.comparison.content
+    assert page.workshop.n_heavy == 0, "it has just been measured"
+    page.comparing.forget()
+    assert page.tab.a == NO_RUN
+    assert page.comparing._made == []
+
+
+def test_a_kept_run_that_fails_says_why_and_is_not_measured_at_every_result(page, monkeypatch):
+    page.comparing.keep("one")
+    calls = []
+
+    def fail(scan, params, memo):
+        calls.append(params)
+        return inspect(scan, params.replaced("levels.min_points", 10**6), memo)
+
+    monkeypatch.setattr("stair_inspector.viewer.parts.tune.runs.inspect", fail)
+    monkeypatch.setattr(page.comparing, "_made", [])
+    show_result(page, params=with_m(90))
+    await_true(lambda: calls and "measuring" not in page.tab.comparison.content)
+    refused = page.tab.comparison.content
+    for value in (91, 92, 93):
+        show_result(page, params=with_m(value))
+    time.sleep(0.1)
+    assert len(calls) == 1
+    assert "one: " in refused
+
+
+def test_a_cancel_ends_one_comparison_and_none_after_it(page):
+    page.comparing.keep("one")
+    page.comparing._made.clear()
+    page.workshop.gate.clear()
+    show_result(page, params=with_m(90))
+    await_true(lambda: page.workshop.n_heavy == 1)
+    page.comparing.cancel()
+    await_true(lambda: "cancelled" in page.tab.comparison.content)
+    page.workshop.gate.set()
+    page.comparing.compare_with(NO_RUN)
+    page.comparing.compare_with("one")
+    await_true(lambda: "comparison-table" in page.tab.comparison.content)
+
+
+def test_a_cancel_ends_a_comparison_that_further_results_have_asked_for_again(page):
+    page.comparing.keep("one")
+    page.comparing._made.clear()
+    page.workshop.gate.clear()
+    for value in (90, 91, 92):
+        show_result(page, params=with_m(value))
+        await_true(lambda: page.workshop.n_heavy == 1)
+    page.comparing.cancel()
+    await_true(lambda: "cancelled" in page.tab.comparison.content)
+    show_result(page, params=with_m(93))
+    time.sleep(0.05)
+    assert page.workshop.n_heavy == 1
+
+
+def test_what_nobody_foresaw_is_said_once_and_in_the_log(page, monkeypatch):
+    page.comparing.keep("one")
+    page.comparing._made.clear()
+    monkeypatch.setattr("stair_inspector.viewer.parts.tune.runs.inspect", lambda *_: 1 / 0)
+    for value in (90, 91, 92):
+        show_result(page, params=with_m(value))
+        await_true(lambda: "one: an internal error" in page.tab.comparison.content)
+    await_true(lambda: len(page.desk.told) == 2)
+    assert page.desk.told[0] == "a comparison or a sweep failed"
+
+
+def test_a_sweep_is_not_dropped_for_a_comparison_nor_held_up_by_one(page):
+    page.comparing.keep("one")
+    page.comparing._made.clear()
+    page.workshop.gate.clear()
+    page.comparing.sweep()
+    await_true(lambda: page.workshop.n_heavy == 1)
+    show_result(page, params=with_m(90))
+    page.comparing.sweep()
+    show_result(page, params=with_m(91))
+    page.workshop.gate.set()
+    await_true(lambda: "comparison-table" in page.tab.comparison.content)
+    await_true(lambda: 'data-complete="true"' in page.tab.sweep.content)
+    await_true(lambda: not page.tab.is_sweeping)
+
+
+def test_a_sweep_that_is_stopped_offers_the_next(page):
+    page.workshop.gate.clear()
+    page.comparing.sweep()
+    await_true(lambda: page.workshop.n_heavy == 1)
+    assert page.tab.is_sweeping
+    page.comparing.stop_sweep()
+    await_true(lambda: not page.tab.is_sweeping)
+
+
+def test_the_sweep_is_in_the_present_unit_and_goes_with_its_scan(page):
+    page.comparing.sweep()
+    await_true(lambda: 'data-complete="true"' in page.tab.sweep.content)
+    assert ">mm</text>" in page.tab.sweep.content
+    page.desk.unit = "in"
+    page.comparing.show()
+    assert ">in</text>" in page.tab.sweep.content
+    scan = page.desk.shown.inspection.scan
+    show_result(page, scan=dataclasses.replace(scan, sha256="f" * 64))
+    assert page.tab.sweep.content == ""
+    assert page.tab.titles == ("#2 first result, 5 steps",), "the history is that of the scan"
+
+
+def test_a_run_in_another_unit_is_measured_on_the_scan_read_in_that_unit(page):
+    page.comparing.keep("metres")
+    page.comparing._made.clear()
+    kept = dataclasses.replace(page.editor.work.runs[0], params=PARAMS.replaced("unit", "mm"))
+    page.editor.edit("", lambda work: {"runs": (kept,)})
+    await_true(lambda: "comparison-table" in page.tab.comparison.content)
+    assert page.workshop.asked == [("folder/stair.ply", "mm")]
+
+
+@pytest.mark.parametrize("name", [NO_RUN, AS_SHOWN])
+def test_no_two_options_of_a_menu_are_the_same(page, name):
+    page.editor.work.runs = (SimpleNamespace(name=name, params=Params()),)
+    page.editor.work.runs += (SimpleNamespace(name="#1 first result, 5 steps", params=Params()),)
+    page.comparing.show()
+    options = (NO_RUN, AS_SHOWN, *page.tab.titles)
+    assert len(set(options)) == len(options)
+    assert "#1 first result, 5 steps (history)" in options
