@@ -32,6 +32,12 @@ _FRAYED_SIGMAS, _THIN_SIGMAS, _THIN_SHARE = 2.5, 3.0, 0.7
 _TURN_SIGMAS, _MOVED_SPACINGS = 3.0, 2.0
 _SEARCHED = 1.25
 """Where the strip ends is found by the same points, by whose chance it is drawn to thin places."""
+_ROWS_APART, _FEWEST_ROWS, _ROWS_DEEP = (0.3, 2.5), 2.5, 2.5
+"""How far rows of points may lie apart, in spacings of the points; how many rows, and how many spacings, the strip
+behind an edge holds in which they are looked for: farther in they lie otherwise apart."""
+_FEWEST_IN_ROWS, _MOST_IN_ROWS, _ROWS_SHARP, _ROWS_SURE, _ROW_FILLED = 36, 240, 0.45, 12.0, 1.0 / 3.0
+"""Points that are needed, and enough, to find rows; how much of a single wave they follow at least, and so many of them
+that chance does not; the last row holds this share of a usual one's points."""
 
 
 def find_extent_edge(
@@ -162,6 +168,9 @@ def _sharpened_line(
                 line = dataclasses.replace(
                     first, middle_m=at_middle, along_m=middle, slope=first.slope + turned, slope_noise=slope_noise
                 )
+    rows = _rows_along(out - line.middle_m - line.slope * (along - line.along_m), sampling)
+    if rows is not None:
+        return dataclasses.replace(line, middle_m=line.middle_m + rows[0], noise_m=rows[1], is_counted=True)
     moved_m, noise_m = _sharpened(
         out - line.middle_m - line.slope * (along - line.along_m), sampling, line.slope_noise * length_m
     )
@@ -173,6 +182,53 @@ def _sharpened_line(
         # The last strip is thinner than the surface, as of one station alone where two do not fit: the edge is between.
         return dataclasses.replace(first, noise_m=math.hypot(first.noise_m, beyond_m / 2.0))
     return dataclasses.replace(line, middle_m=line.middle_m + moved_m, noise_m=noise_m, is_counted=True)
+
+
+def _rows_along(beyond: Floats, sampling: Sampling) -> tuple[float, float] | None:
+    """Return how far beyond a first line a surface ends whose points lie in rows along the edge, and its uncertainty.
+
+    Where the rays of a grid meet the surface so that rows of points run along its edge, all of them miss it by the
+    same: it lies anywhere between the last row and where the next one would be, however many points a row has. None
+    where there are no such rows.
+
+    Notes
+    -----
+    Rows are a wave in the density: of all their distances the one counts that the phases of the points agree with best
+    (Rayleigh's test). What rows are wide takes away from the interval between them.
+
+    References
+    ----------
+    .. [1] Mardia, Jupp: Directional Statistics, Wiley 2000, 2.3 for the circular deviation, 6.3.1 for the test.
+    """
+    if len(beyond) < _FEWEST_IN_ROWS:
+        return None
+    last_m = float(np.partition(beyond, -_STRAYS)[-_STRAYS])
+    behind = last_m - np.partition(beyond, -_FEWEST_IN_ROWS)[-_FEWEST_IN_ROWS]
+    depth_m = max(_ROWS_DEEP * sampling.spacing_m, float(behind))
+    strip = beyond[(beyond >= last_m - depth_m) & (beyond <= last_m + sampling.spacing_m)]
+    some = strip[:: -(-len(strip) // _MOST_IN_ROWS)]
+    low, high = _ROWS_APART
+    shortest, longest = low * sampling.spacing_m, min(high * sampling.spacing_m, depth_m / _FEWEST_ROWS)
+    waves = np.arange(1.0 / longest, 1.0 / shortest, 0.2 / depth_m)
+    sums = np.exp(2j * math.pi * waves[:, None] * some).mean(axis=1)
+    best = int(np.argmax(np.abs(sums)))
+    sharpness = min(float(np.abs(sums[best])), 1.0)
+    if sharpness < _ROWS_SHARP or len(some) * sharpness**2 < _ROWS_SURE:
+        return None
+    apart_m = 1.0 / float(waves[best])
+    phase_m = float(np.angle(sums[best])) / (2.0 * math.pi) * apart_m
+    row = np.round((strip - phase_m) / apart_m).astype(np.int64)
+    numbers, counts = np.unique(row, return_counts=True)
+    last = int(numbers[counts >= _ROW_FILLED * np.median(counts)].max())
+    # Of rows farther in, the distance and the slant are others.
+    outer, inner = strip[row == last], strip[row == last - 1]
+    if min(len(outer), len(inner)) < 2:
+        return None
+    apart_m = float(outer.mean() - inner.mean())
+    scatter_m = math.sqrt((float(outer.var(ddof=1)) + float(inner.var(ddof=1))) / 2.0)
+    open_m = max(0.0, apart_m - math.sqrt(12.0) * scatter_m)
+    noise_m = math.hypot(open_m / math.sqrt(12.0), scatter_m / math.sqrt(len(outer)))
+    return float(outer.mean()) + apart_m / 2.0, noise_m
 
 
 def _is_thin(beyond: Floats, ends_m: float, sampling: Sampling) -> bool:

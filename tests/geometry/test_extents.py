@@ -70,6 +70,42 @@ def test_the_edge_of_a_turned_grid_is_exact(spacing):
     assert np.abs(middles).max() <= 2.0 * doubt(spacing)
 
 
+def rows(phase, apart, seed, drift=0.0):
+    """Rows of points along the edge, 24 mm from point to point, the last one a share ``phase`` of ``apart`` before it.
+
+    ``drift`` is how far the rows slant over a metre of the edge, in rows; the points scatter by 0.3 mm.
+    """
+    out, along = np.meshgrid(-(np.arange(-3, 30) + phase) * apart, np.arange(0.0, 1.0, 0.024))
+    out, along = out.ravel() + drift * apart * (along.ravel() - 0.5), along.ravel()
+    inside = out <= 0.0
+    out = out + np.random.default_rng(seed).normal(0.0, 0.0003, len(out))
+    return np.stack([out[inside], along[inside], np.zeros(np.count_nonzero(inside))])
+
+
+@pytest.mark.parametrize("length", [0.24, 0.97])
+def test_rows_of_points_along_an_edge_leave_it_anywhere_up_to_the_next_row(length):
+    apart, span = 0.008, (0.0, length)
+    edges = [
+        extent(rows(phase, apart, seed), sigma=0.0005, spacing=np.sqrt(apart * 0.024), span=span, is_square=True)
+        for seed, phase in enumerate(np.arange(0.05, 1.0, 0.1))
+    ]
+    errors, noises = np.array([(edge.at(length / 2.0), edge.noise_m) for edge in edges]).T
+    assert abs(errors.mean()) <= 0.0005
+    assert np.all(np.abs(errors) <= 2.0 * noises)
+    # An even distribution over the interval, and no more.
+    assert np.all(noises <= apart / np.sqrt(12.0))
+
+
+def test_rows_that_slant_across_an_edge_show_it_better():
+    apart = 0.008
+    edges = [
+        extent(rows(phase, apart, seed, drift=3.0), sigma=0.0005, spacing=np.sqrt(apart * 0.024), is_square=True)
+        for seed, phase in enumerate(np.arange(0.05, 1.0, 0.1))
+    ]
+    assert max(abs(edge.at(0.5)) for edge in edges) <= 0.15 * apart
+    assert max(edge.noise_m for edge in edges) <= 0.15 * apart
+
+
 @pytest.mark.parametrize(("low", "high"), [(-0.05, -0.02), (-0.09, -0.03), (-0.12, -0.1)])
 def test_a_hole_or_the_shadow_of_a_rail_near_the_edge_is_not_the_edge(low, high):
     points = surface(2, 0.002)
