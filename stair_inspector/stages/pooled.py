@@ -37,6 +37,8 @@ _SLOPE_SIGMAS = 3.0
 _ABOVE_FOOT_M, _SLAB_M, _NOSING_BAND_M = 0.015, 0.05, 0.028
 """A riser is looked for from above what it stands on to below the nosing's slab; a slab is thicker than the last."""
 _RISER_BEFORE_M, _RISER_BEHIND_M, _DEEPEST_OVERHANG_M = 0.08, 0.14, 0.06
+_MOVED_M = 0.006
+"""A nosing that was moved by less has the same strip behind it."""
 _INSET_SHARE = 0.05
 _WINDOW_M, _LEAST_PURITY, _FEWEST_ON_FACE, _FEWEST_OWN = 0.009, 0.35, 10, 6
 _APART_M, _APART_SPACINGS, _APART_SIGMAS = 0.04, 1.5, 2.0
@@ -119,10 +121,14 @@ def _with_common_falls(shapes: Sequence[StepShape]) -> list[StepShape]:
     return result
 
 
-def _at_its_plane(shape: StepShape) -> StepShape:
-    """Take the heights at the nosing from the plane: a strip behind it holds too few points."""
+def _at_its_plane(shape: StepShape, moved_m: float = 0.0) -> StepShape:
+    """Take the heights at the nosing from the plane where a strip behind it holds too few points, or lay elsewhere.
+
+    ``moved_m`` is how far the nosing has been moved since the strip behind it was looked at: that of one which was
+    placed too far out held the next row of points, on the riser.
+    """
     plane = shape.plane
-    if plane.spacing_m <= SPARSE_M:
+    if plane.spacing_m <= SPARSE_M and moved_m <= _MOVED_M:
         return shape
     noise_m = math.hypot(plane.noise_at(shape.front.middle_m, sum(shape.line_range) / 2.0), plane.misfit_m / 2.0)
     return replace(shape, nosing_offsets=(0.0, 0.0, 0.0), nosing_noise=(noise_m, noise_m, noise_m))
@@ -151,7 +157,8 @@ def _with_fronts_by_risers(heights: HeightOrder, shapes: Sequence[StepShape]) ->
             # A face that lies farther from the tread's end is not the one below it.
             far_m = max(_APART_M, _APART_SPACINGS * shape.plane.spacing_m, _APART_SIGMAS * shape.front.noise_m)
             if abs(apart_m) <= far_m:
-                shape = _at_its_plane(replace(shape, front=front))
+                moved_m = max(abs(shape.front.at(w) - front.at(w)) for w in shape.line_range)
+                shape = _at_its_plane(replace(shape, front=front), moved_m)
         after = risers[k + 1] if k + 1 < len(risers) else None
         if after is not None and (shape.back is None or shape.back.source != "face"):
             upper = shapes[k + 1]

@@ -9,6 +9,7 @@ pytestmark = pytest.mark.slow
 MENDED = (
     "other axes up",
     "other units",
+    "depth camera, level view",
     "seen from the foot",
     "sparse",
     "stations apart",

@@ -15,6 +15,7 @@ from stair_inspector.stages.levels import find_height_reach, find_levels, select
 from stair_inspector.stages.nosings import _Finder, _Near, find_shapes, flight_after, straight_climb
 from stair_inspector.stages.orient import find_up, order_by_height
 from stair_inspector.stages.patches import split_levels
+from stair_inspector.stages.pooled import pool_steps
 from stair_inspector.stages.rejects import Forced
 from tests.synthetic import Stair, exact_params, make_scan
 
@@ -210,6 +211,19 @@ def test_a_strip_proud_of_the_tread_raises_the_nosing():
     for k, shape in enumerate(shapes, 1):
         at_nosing = shape.plane.at(shape.front.middle_m, 0.0) + shape.nosing_offsets[1]
         assert at_nosing == pytest.approx(k * CLOSED.rise + 0.003, abs=0.001)
+
+
+def test_the_height_of_a_nosing_that_its_riser_moves_is_not_that_of_the_strip_behind_its_first_place():
+    """As where the first row of rays on the riser, 7 mm down, was taken for the tread's."""
+    shapes, _, heights = closed()
+    astray = replace(shapes[2].front, middle_m=shapes[2].front.middle_m - 0.03, source="tread", noise_m=0.01)
+    steps = list(shapes)
+    steps[2] = replace(shapes[2], front=astray, nosing_offsets=(0.0, -0.007, 0.0))
+    pooled = pool_steps(heights, steps, 0.0)
+    assert pooled[2].front.at(0.0) == pytest.approx(shapes[2].front.at(0.0), abs=0.003)
+    assert pooled[2].nosing_offsets == (0.0, 0.0, 0.0)
+    # The others' strips lie where they lay.
+    assert pooled[1].nosing_offsets == shapes[1].nosing_offsets != (0.0, 0.0, 0.0)
 
 
 # --- chains --------------------------------------------------------------------------------------------------------
