@@ -9,11 +9,14 @@ from typing import Literal
 
 import numpy as np
 
+from stair_inspector.errors import DegenerateGeometry
 from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels, own
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.params import Params
 
+_FARTHEST_M = 10_000.0
+"""How far from zero points may lie: normals come from squares of coordinates, in which float64 keeps 1e-8 m² there."""
 FLOOR_LABEL = 0
 """Label of a point of the floor; steps are 1, 2, ... from bottom to top."""
 NON_STAIR_LABEL = -1
@@ -59,8 +62,9 @@ class Scan:
 
     ``points`` (n, 3) local; ``origin_m`` (3,) what was subtracted, metres in the scan frame; ``colors`` (n, 3) uint8
     or None; ``normals`` (n, 3) unit vectors given by the file, or None; ``n_points`` how many the file held, before
-    non-finite points and exact duplicates were dropped. ``observations`` are what reading it already shows;
-    ``repeats`` (n,) how often the file holds each point, None where every point is distinct.
+    non-finite points and exact duplicates were dropped. Points of which most lie farther than 10 km from zero are
+    refused (DegenerateGeometry): squares of their coordinates leave nothing of a surface. ``observations`` are what
+    reading it already shows; ``repeats`` (n,) how often the file holds each point, None where every point is distinct.
     """
 
     points: Floats
@@ -79,12 +83,25 @@ class Scan:
         n = len(self.points)
         object.__setattr__(self, "points", own(self.points, (None, 3), "points"))
         object.__setattr__(self, "origin_m", own(self.origin_m, (3,), "origin_m"))
+        _check_nearness(self.points)
         if self.colors is not None:
             object.__setattr__(self, "colors", own(self.colors, (n, 3), "colors", np.uint8))
         if self.normals is not None:
             object.__setattr__(self, "normals", own(self.normals, (n, 3), "normals"))
         if self.repeats is not None:
             object.__setattr__(self, "repeats", own(self.repeats, (n,), "repeats", np.int64))
+
+
+def _check_nearness(points: Floats) -> None:
+    """Refuse points of which most lie far from zero; a thousandth of them shows it, strays do not count."""
+    if not len(points):
+        return
+    places = np.median(points[:: max(1, len(points) // 1000)], axis=0)
+    farthest = float(np.abs(places).max())
+    if farthest > _FARTHEST_M:
+        raise DegenerateGeometry(
+            f"points: they lie about {farthest:,.0f} m from zero; subtract an origin and give it as origin_m"
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.content.records import inspection_to_dict
-from stair_inspector.errors import CannotMeasure
+from stair_inspector.errors import CannotMeasure, DegenerateGeometry
 from stair_inspector.memo import Memo
 from stair_inspector.model import Normals
 from stair_inspector.params import EdgesParams, HorizontalParams, LevelsParams, NormalsParams, Params
@@ -414,6 +414,14 @@ def test_too_little_to_measure_is_one_sentence(points, up):
 
 
 # --- contract ------------------------------------------------------------------------------------------------------
+
+
+def test_points_far_from_zero_are_refused_and_strays_are_not():
+    points = np.random.default_rng(3).uniform(0.0, 5.0, (4000, 3))
+    stray = np.vstack([points, [[5e6, 0.0, 0.0]]])
+    assert len(make_scan(stray).points) == 4001
+    with pytest.raises(DegenerateGeometry, match=r"5,335,00\d m from zero; subtract an origin and give it"):
+        make_scan(points + np.array([691_000.0, 5_335_000.0, 520.0]))
 
 
 def test_the_scan_is_left_as_it_was_and_everything_is_read_only():

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from stair_inspector.files.cleaning import to_local_metres
 from stair_inspector.files.settings import find_preset
 from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection
@@ -236,7 +237,8 @@ def _distance(point, start, end) -> float:
 def measure(name: str, stair: Stair, kind: Class, seed: int, tally: Tally, memo: Memo | None = None) -> Iterator[str]:
     """Scan, measure, compare; yields a line for every value that is off by more than twice its u."""
     simulated, building = simulate(stair, kind.scanner, seed)
-    scan = make_scan(tilted(simulated.points, kind.levelled_deg, seed))
+    points, origin_m = to_local_metres(tilted(simulated.points, kind.levelled_deg, seed), "m")
+    scan = make_scan(points, origin_m=origin_m)
     inspection = inspect(scan, settings_for(kind), memo)
     pairs, n_false, n_missed = match(inspection, building, scan.origin_m)
     tally.n_scans += 1
