@@ -565,7 +565,8 @@ def _parse(kind: type[T], command: str, args: list[str], default: T) -> T:
                 prog=f"stair-inspector {command}",
                 args=_join_negative_directions(args),
                 default=default,
-                config=(tyro.conf.OmitSubcommandPrefixes,),
+                # Every option says what it is by `Doc`: to look for comments would parse the source again for each.
+                config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.HelptextFromCommentsOff),
             )
     except SystemExit as leaving:
         if leaving.code in (0, None):

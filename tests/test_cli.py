@@ -5,6 +5,7 @@ import hashlib
 import json
 import subprocess
 import sys
+from inspect import getsource
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,15 @@ def refusal(run, *args):
 
 
 # --- help ----------------------------------------------------------------------------------------------------------
+
+
+def test_options_are_known_without_parsing_the_source_for_each(run, monkeypatch):
+    refusal(run, "measure", "--qqq")
+    parsed = []
+    monkeypatch.setattr("inspect.getsource", lambda what: parsed.append(what) or getsource(what))
+    refusal(run, "measure", "--qqq")
+    # The settings as a whole are looked up once, whatever is set.
+    assert set(parsed) <= {Params}
 
 
 @pytest.mark.parametrize("args", [["--help"], ["-h"], *([command, "--help"] for command in COMMANDS)], ids=" ".join)
