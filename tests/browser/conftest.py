@@ -12,6 +12,7 @@ from stair_inspector.pipeline import inspect
 from stair_inspector.simulate.specs import Scanner, Stair
 from tests.browser.inspector_page import ARGUMENTS, OPENED, InspectorPage, find_browser
 from tests.conftest import REPLACED
+from tests.heavy_process import heavy_process, servers_share_a_process  # noqa: F401 - fixtures
 
 HOSTILE_NAME = "<img src=x onerror='window.struck=1'>&amp;.ply"
 SCANNER = Scanner(max_points=12_000, azimuth_step_deg=0.2, elevation_step_deg=0.2, spacing_m=0.006, noise_m=0.003)

@@ -2,12 +2,19 @@
 
 import pytest
 
-from tests.viewer.wire_page import STAIR, WirePage, serve_two_stairs
+from tests.heavy_process import heavy_process, servers_share_a_process  # noqa: F401 - fixtures
+from tests.viewer.wire_page import STAIR, WirePage, serve, simulate_two_stairs
+
+
+@pytest.fixture(scope="session")
+def two_stairs(tmp_path_factory):
+    """Folder of two small scans that all tests share; it is only read."""
+    return simulate_two_stairs(tmp_path_factory.mktemp("scans"))
 
 
 @pytest.fixture(scope="module")
-def app(tmp_path_factory):
-    app = serve_two_stairs(tmp_path_factory.mktemp("scans"))
+def app(two_stairs):
+    app = serve(two_stairs)
     yield app
     app.stop()
 

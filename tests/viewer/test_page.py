@@ -17,9 +17,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.chosen_rules import ChosenRules, LeftEdits
 from stair_inspector.files.projects import Measurement, read_project
 from stair_inspector.files.settings import preset_bytes
-from stair_inspector.files.simulations import simulate_to_file
 from stair_inspector.params import Params
-from stair_inspector.simulate.specs import Scanner, Stair
 from stair_inspector.viewer.app import App
 from stair_inspector.viewer.parts.scan import opening
 from stair_inspector.viewer.parts.tune.presets import STARTED_WITH
@@ -27,26 +25,16 @@ from stair_inspector.viewer.parts.tune.tab import OWN_PRESET
 from stair_inspector.viewer.state.library import state_of
 from tests.viewer.wire_page import WirePage, await_that
 
-SCANNER = Scanner(max_points=6_000, azimuth_step_deg=0.3, elevation_step_deg=0.3, spacing_m=0.01, noise_m=0.002)
 _STREAM = io.BytesIO()
 Image.new("RGB", (60, 20), (10, 90, 160)).save(_STREAM, "PNG")
 LOGO = read_logo(_STREAM.getvalue())
 POINT = Measurement("Point 1", ((0.0, 0.0, 1.0),))
 
 
-@pytest.fixture(scope="module")
-def scans(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("scans")
-    simulate_to_file(folder / "stair.ply", Stair(n_risers=4, floor_front_m=0.8, upper_landing_m=0.6), SCANNER)
-    simulate_to_file(folder / "other.ply", Stair(n_risers=3, floor_front_m=0.8, upper_landing_m=0.6), SCANNER)
-    (folder / "broken.ply").write_bytes((folder / "stair.ply").read_bytes()[:-1000])
-    return folder
-
-
 @pytest.fixture
-def folder(tmp_path, scans):
+def folder(tmp_path, two_stairs):
     for name in ("stair.ply", "other.ply"):
-        shutil.copy(scans / name, tmp_path / name)
+        shutil.copy(two_stairs / name, tmp_path / name)
     return tmp_path
 
 
@@ -127,8 +115,8 @@ def test_the_desk_is_never_waited_for_while_the_work_is_held(serve):
     assert wrong == []
 
 
-def test_nothing_is_done_to_a_scan_while_another_is_still_shown(serve, folder, scans):
-    shutil.copy(scans / "broken.ply", folder / "other.ply")
+def test_nothing_is_done_to_a_scan_while_another_is_still_shown(serve, folder, two_stairs):
+    (folder / "other.ply").write_bytes((two_stairs / "stair.ply").read_bytes()[:-1000])
     page = WirePage(serve())
     page.await_result("stair.ply")
     session = page.session
@@ -274,14 +262,14 @@ def test_a_page_that_comes_back_while_its_file_is_in_use_takes_none_that_exists(
 
 
 @pytest.mark.slow
-def test_saved_work_is_held_against_the_file_even_if_another_scan_was_chosen_first(serve, folder, scans):
+def test_saved_work_is_held_against_the_file_even_if_another_scan_was_chosen_first(serve, folder, two_stairs):
     app = serve()
     page = WirePage(app)
     page.await_result()
     page.session.change("measured", measurements=(POINT,))
     leave(app, page)
     app.stop()
-    shutil.copy(scans / "other.ply", folder / "stair.ply")
+    shutil.copy(two_stairs / "other.ply", folder / "stair.ply")
     app = serve()
     is_chosen, read = threading.Event(), app._workshop.read
 
@@ -313,7 +301,7 @@ def test_saved_work_is_held_against_the_file_even_if_another_scan_was_chosen_fir
 
 
 @pytest.mark.parametrize("reloads", [pytest.param(False, marks=pytest.mark.slow), True])
-def test_work_on_a_file_that_changes_is_put_aside_and_undo_brings_it_back(serve, folder, scans, reloads):
+def test_work_on_a_file_that_changes_is_put_aside_and_undo_brings_it_back(serve, folder, two_stairs, reloads):
     app = serve()
     page = WirePage(app)
     page.await_result()
@@ -322,7 +310,7 @@ def test_work_on_a_file_that_changes_is_put_aside_and_undo_brings_it_back(serve,
         leave(app, page)
     else:
         page.session.keeper.save()
-    shutil.copy(scans / "other.ply", folder / "stair.ply")
+    shutil.copy(two_stairs / "other.ply", folder / "stair.ply")
     if reloads:
         page = WirePage(app, page.storage)
     session = page.session
@@ -337,10 +325,10 @@ def test_work_on_a_file_that_changes_is_put_aside_and_undo_brings_it_back(serve,
     assert session.work.measurements == (POINT,)
 
 
-def test_an_upload_is_nobody_elses_and_what_is_done_on_it_is_not_called_saved(serve, scans):
+def test_an_upload_is_nobody_elses_and_what_is_done_on_it_is_not_called_saved(serve, two_stairs):
     app = serve()
     mine, theirs = WirePage(app), WirePage(app)
-    upload = SimpleNamespace(name="up.ply", content=(scans / "other.ply").read_bytes())
+    upload = SimpleNamespace(name="up.ply", content=(two_stairs / "other.ply").read_bytes())
     mine.session.take_upload(upload)
     mine.await_result("up.ply")
     assert mine.session.keeper.path is None
@@ -350,9 +338,9 @@ def test_an_upload_is_nobody_elses_and_what_is_done_on_it_is_not_called_saved(se
         theirs.session.choose_scan("up.ply")
 
 
-def test_uploads_of_pages_that_have_gone_make_room(serve, scans):
+def test_uploads_of_pages_that_have_gone_make_room(serve, two_stairs):
     app = serve()
-    content = (scans / "other.ply").read_bytes()
+    content = (two_stairs / "other.ply").read_bytes()
     page = WirePage(app)
     page.session.take_upload(SimpleNamespace(name="first.ply", content=content))
     path = page.session.keeper.scan

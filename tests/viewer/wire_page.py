@@ -31,10 +31,15 @@ _CAMERA = {
 }
 
 
-def serve_two_stairs(folder):
-    """A server of two small scans, STAIR with four risers and OTHER with three."""
+def simulate_two_stairs(folder):
+    """Write two small scans, STAIR with four risers and OTHER with three; return the folder."""
     for name, n_risers in ((STAIR, 4), (OTHER, 3)):
         simulate_to_file(folder / name, Stair(n_risers=n_risers, floor_front_m=0.8, upper_landing_m=0.6), SCANNER)
+    return folder
+
+
+def serve(folder):
+    """A server of the two scans of a folder, which saves nothing beside them."""
     return App([folder / STAIR, folder / OTHER], Params(), port=0, saves_projects=False)
 
 
