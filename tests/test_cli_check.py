@@ -18,6 +18,7 @@ from stair_inspector.pipeline import inspect
 from stair_inspector.writers.text import check_text
 from tests.synthetic import Stair
 from tests.test_cli import UP_Z, refusal, run, stair_file  # noqa: F401 - fixtures
+from tests.writers.samples import scanned
 
 STRAIGHT, DEFECTIVE = (sample_scans() / f"{name}.ply" for name in ("straight", "defective_step"))
 QUESTION = Observation("unit_unsure", "question", "inches or centimetres", None, "--unit in")
@@ -93,13 +94,14 @@ def test_a_stair_with_nothing_outside_is_exit_0(run):  # noqa: F811
 
 
 def test_a_stair_with_a_defect_is_exit_1_and_says_where(run):  # noqa: F811
-    code, out, err = run("check", DEFECTIVE, "--rules", "us-irc-2024", "--overlay", "us-nfpa-101-uniformity")
+    command = ("check", DEFECTIVE, "--preset", "tls", "--rules", "us-irc-2024", "--overlay", "us-nfpa-101-uniformity")
+    code, out, err = run(*command)
     assert (code, err) == (1, "")
-    scan = read_scan(DEFECTIVE)
+    scan, inspection = scanned()
     from stair_inspector.codes import overlaid
 
     rule_set = overlaid(find_rule_set("us-irc-2024"), find_rule_set("us-nfpa-101-uniformity"))
-    assert out == f"{scan.name} {check_text(check(inspect(scan, Params()), rule_set))}\n\n"
+    assert out == f"{scan.name} {check_text(check(inspection, rule_set))}\n\n"
     assert "slope of the walking surface of treads, step 3: " in out
     assert "with the overlay NFPA 101, dimensional uniformity" in out
     assert "Outside the limits listed in R318.7.5.1; R318.7.5.2; R318.7.7; NFPA 101, 7.2.2.3.6 (Int" in out

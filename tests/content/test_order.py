@@ -27,10 +27,12 @@ from stair_inspector.pipeline import inspect
 from stair_inspector.writers.text import check_text
 from tests.codes import test_rules as made_up
 from tests.codes.flights import changed, even, flight_of, inspection_of, measured
+from tests.synthetic import Stair, exact_params
 from tests.writers.samples import (
     BASIS,
     HOSTILE,
     MADE_AT,
+    by_the_paper,
     checked,
     document,
     html_page,
@@ -108,9 +110,8 @@ def test_every_setting_is_listed_and_changed_ones_are_marked():
 
 
 def test_what_the_inspector_overruled_is_listed_with_its_reason():
-    scan, _ = scanned()
     force = "level:2=rejected (a box; see <photo>)"
-    inspection = inspect(scan, Params().replaced("overrules.force", force))
+    inspection = inspect(Stair(n_steps=3).scan(), exact_params().replaced("overrules.force", force))
     rows = table_of(plain_document(inspection), "overrules").rows
     assert rows == (("level 2", "rejected", "a box; see <photo>"),)
 
@@ -254,7 +255,7 @@ def test_values_without_an_uncertainty_are_not_said_to_have_one():
 
 
 def test_the_papers_method_has_a_text_of_its_own_on_uncertainty():
-    inspection = inspect(scanned()[0], Params(method="paper"))
+    inspection = by_the_paper()
     text = " ".join(uncertainty_sentences(inspection))
     assert "given without an uncertainty" in text
     for words in ("±", "k = 2", "LOA", "type A"):
@@ -308,7 +309,7 @@ def test_no_note_of_a_scan_speaks_of_the_programs_options():
         notes=(Note("no_staircase", "verdict", "no staircase found: 2 levels; check the up direction, eps_z and m"),),
     )
     assert result_sentence(empty, None) == "No staircase found: 2 levels."
-    for made in (plain_document(inspect(scanned()[0], Params())), plain_document(empty)):
+    for made in (plain_document(inspect(Stair(n_steps=3).scan(), Params())), plain_document(empty)):
         text = text_of(made)
         for words in ("--up", "--unit", "uncertainty.*", "check the up direction"):
             assert words not in text
@@ -358,7 +359,7 @@ def test_the_dimensions_of_a_step_are_rounded_where_their_uncertainty_is():
 
 
 def test_one_reason_for_all_rules_is_told_once():
-    inspection = inspect(scanned()[0], Params(method="paper"))
+    inspection = by_the_paper()
     made = plain_document(inspection, check(inspection, find_rule_set("us-ibc-2021")))
     table = table_of(made, "findings")
     assert table.rows == ()
@@ -370,7 +371,7 @@ def test_one_reason_for_all_rules_is_told_once():
 
 
 def test_what_was_not_measured_is_no_limitation():
-    paper = inspect(scanned()[0], Params(method="paper"))
+    paper = by_the_paper()
     assert not any("three lines" in sentence for sentence in limitation_sentences(paper, None))
     assert any("three lines" in sentence for sentence in limitation_sentences(scanned()[1], None))
 

@@ -4,7 +4,6 @@ import functools
 import io
 from datetime import UTC, datetime
 from html.parser import HTMLParser
-from pathlib import Path
 
 import openpyxl
 import pypdf
@@ -13,15 +12,14 @@ from stair_inspector.codes import check
 from stair_inspector.content.fields import ReportBasis, ReportFields
 from stair_inspector.content.order import build
 from stair_inspector.content.readings import TapeReading
-from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.rule_sets import find_rule_set
-from stair_inspector.files.scans import read_scan
-from stair_inspector.files.settings import find_preset
+from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.writers.html import html_bytes
 from stair_inspector.writers.pdf import pdf_bytes
 from stair_inspector.writers.report import make_report, report_bytes
 from stair_inspector.writers.xlsx import xlsx_bytes
+from tests.test_samples import load_sample, survey_sample
 
 MADE_AT = datetime(2026, 11, 22, 15, 4, 5, tzinfo=UTC)
 HOSTILE = (
@@ -41,26 +39,46 @@ BASIS = ReportBasis(
 )
 
 
-@functools.cache
 def scanned(name="defective_step"):
-    scan = read_scan(Path(sample_scans() / f"{name}.ply"))
-    return scan, inspect(scan, find_preset("tls").params)
+    """A sample and what is measured of it, made once for all tests of a process."""
+    return load_sample(name)[0], survey_sample(name)
 
 
 @functools.cache
+def by_the_paper():
+    """The first sample, measured by the paper's method."""
+    return inspect(scanned()[0], Params(method="paper"))
+
+
 def checked(name="defective_step", rules="us-ibc-2021"):
+    return _checked(name, rules)
+
+
+def document(name="defective_step"):
+    return _document(name)
+
+
+def formats(name="defective_step"):
+    """The PDF, the HTML page and the workbook, by suffix."""
+    return _formats(name)
+
+
+# Kept by their arguments, which a default left out would be another set of.
+
+
+@functools.cache
+def _checked(name, rules):
     return check(scanned(name)[1], find_rule_set(rules))
 
 
 @functools.cache
-def document(name="defective_step"):
+def _document(name):
     scan, inspection = scanned(name)
     return make_report(scan, inspection, BASIS, MADE_AT, checked(name))
 
 
 @functools.cache
-def formats(name="defective_step"):
-    """The PDF, the HTML page and the workbook, by suffix."""
+def _formats(name):
     return report_bytes(document(name))
 
 
