@@ -90,6 +90,8 @@ def app(scans):
     from stair_inspector.viewer.app import App
 
     app = App(scans, Params(), port=0, saves_projects=False)
+    # The first page is opened once the computing process has loaded its libraries: no page waits for that.
+    app._workshop.read(scans[0], Params().unit)
     yield app
     app.stop()
 
