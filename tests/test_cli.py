@@ -247,6 +247,7 @@ def test_the_same_file_named_twice_is_measured_once(run, stair_file, tmp_path):
     assert out.count(" points, ") == 1
 
 
+@pytest.mark.slow
 def test_the_program_runs_as_a_process_and_stays_quiet_on_stderr(stair_file, tmp_path):
     script = "import sys; from stair_inspector.cli import main; sys.exit(main())"
     args = [sys.executable, "-c", script, "measure", str(stair_file), "-o", str(tmp_path)]

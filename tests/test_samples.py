@@ -29,8 +29,7 @@ LENGTHS = ("rise_m", "going_m", "tread_depth_m", "width_m", "nosing_overhang_m")
 ANGLES = ("pitch_deg", "fall_deg", "cross_fall_deg")
 EVEN = [
     "straight",
-    "long_landing",
-    *(pytest.param(name, marks=pytest.mark.slow) for name in ("handheld_noisy", "defective_step")),
+    *(pytest.param(name, marks=pytest.mark.slow) for name in ("long_landing", "handheld_noisy", "defective_step")),
 ]
 
 
@@ -90,6 +89,7 @@ def test_the_defective_riser_stands_out() -> None:
     assert int(np.argmax(rises)) == int(np.argmax(true)) == 4
 
 
+@pytest.mark.slow
 def test_the_long_sample_exchanges_the_global_axes_and_auto_does_not() -> None:
     scan = read_scan(sample_scans() / "long_landing.ply")
     by_paper = inspect(scan, Params(method="paper"))
@@ -101,6 +101,7 @@ def test_the_long_sample_exchanges_the_global_axes_and_auto_does_not() -> None:
     assert automatic.axes.depth[0] < -0.99
 
 
+@pytest.mark.slow
 def test_the_wall_of_the_cluttered_sample_is_not_taken_for_the_floor() -> None:
     inspection = inspect_sample("ceiling_clutter")
     assert inspection.up.vector[2] > math.cos(math.radians(0.2))

@@ -300,6 +300,7 @@ def test_a_winder_is_flagged_and_its_rises_are_right():
     assert off(inspection, building, origin, ("rise", "fall")) == []
 
 
+@pytest.mark.slow
 def test_strips_that_stand_proud_and_worn_treads_are_measured_at_the_nosing():
     for name in ("strips proud", "worn, strips"):
         inspection, building, origin = survey(name)
@@ -500,7 +501,10 @@ def test_over_twelve_seeds_the_rises_lie_within_u():
 # --- scenes without a staircase ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name",
+    [each if each in ("room", "blocks", "ramp") else pytest.param(each, marks=pytest.mark.slow) for each in SCENES],
+)
 def test_a_scene_without_a_staircase_gives_no_step_and_says_why(name):
     scanner = replace(COARSE, azimuth_step_deg=0.8, elevation_step_deg=0.8, spacing_m=0.01)
     scan = make_scan(scan_building(SCENES[name](), scanner).points)
@@ -629,6 +633,7 @@ def test_a_region_that_leaves_the_steps_whole_says_nothing():
     assert cuts == []
 
 
+@pytest.mark.slow
 def test_a_region_that_ends_where_the_stair_ends_says_nothing():
     _, cuts = cut_by_region("-1.5,-0.615,-0.5,9,0.615,5")
     assert cuts == []

@@ -78,19 +78,18 @@ def compare(one, other):
     return n_agree, n_all
 
 
-def assert_steady(scan, params):
+@pytest.mark.parametrize(
+    "name", [each if each == "levels.eps_m" else pytest.param(each, marks=pytest.mark.slow) for each in SWEPT]
+)
+def test_a_slider_on_its_plateau_changes_no_step_and_no_value_beyond_its_u(name):
+    scan, params = scan_with_surroundings(), exact_params(up="z")
     memo = Memo()
     plain = inspect(scan, params, memo)
-    for name, values in SWEPT.items():
-        for value in values:
-            found = inspect(scan, params.replaced(name, value), memo)
-            assert len(found.steps) == len(plain.steps), (name, value)
-            for step in found.steps:
-                for length in (step.rise_m, step.going_m, step.tread_depth_m, step.width_m):
-                    assert length is None or length.value > 0.0
-            n_agree, n_all = compare(plain, found)
-            assert n_agree >= COVERED * n_all, (name, value)
-
-
-def test_a_slider_on_its_plateau_changes_no_step_and_no_value_beyond_its_u():
-    assert_steady(scan_with_surroundings(), exact_params(up="z"))
+    for value in SWEPT[name]:
+        found = inspect(scan, params.replaced(name, value), memo)
+        assert len(found.steps) == len(plain.steps), (name, value)
+        for step in found.steps:
+            for length in (step.rise_m, step.going_m, step.tread_depth_m, step.width_m):
+                assert length is None or length.value > 0.0
+        n_agree, n_all = compare(plain, found)
+        assert n_agree >= COVERED * n_all, (name, value)

@@ -97,7 +97,7 @@ def variants():
 @pytest.mark.parametrize(
     "variant",
     [
-        Variant("between walls", 0.0, "-y", "ft"),
+        pytest.param(Variant("between walls", 0.0, "-y", "ft"), marks=pytest.mark.slow, id="between walls, ft"),
         Variant("camera before it", 10.0, "-y", "in"),
         Variant("straight", 30.0, "z", "mm"),
     ],

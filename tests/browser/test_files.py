@@ -53,6 +53,7 @@ def test_the_json_is_valid_and_says_what_the_table_says(page):
         assert [str(step["id"]), *lengths, shown(paper["theta_deg"], digits=2)] == cells[:6]
 
 
+@pytest.mark.slow
 def test_the_debug_ply_opens_and_has_all_points(page, measured):
     name, content = page.download("Debug PLY")
     assert name == "stair_debug.ply"

@@ -54,6 +54,7 @@ def test_arrows_on_a_slider_are_the_sliders_alone(page):
     np.testing.assert_allclose(look(page), before, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_the_help_is_one_card_that_fits_and_that_escape_closes(page):
     card = page.page.get_by_role("dialog")
     for n_cards in (1, 0, 1):
@@ -70,6 +71,7 @@ def test_the_help_is_one_card_that_fits_and_that_escape_closes(page):
     card.wait_for(state="detached")
 
 
+@pytest.mark.slow
 def test_a_number_out_of_range_stays_as_it_was_written_until_it_is_mended(page):
     changes = page.text("changes")
     page.type_number("ε_z [mm]", -5)
@@ -106,6 +108,7 @@ def test_a_group_of_buttons_shows_which_is_on(page):
     page.tab("Tune")
 
 
+@pytest.mark.slow
 def test_the_notes_are_one_press_away(page):
     link = page.by_id("notes-link")
     assert "note" in link.inner_text()

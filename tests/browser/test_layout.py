@@ -63,6 +63,7 @@ def check(page):
     page.tab("Tune")
 
 
+@pytest.mark.slow
 def test_nothing_overlaps_in_a_small_window(page):
     page.click_row(3)
     page.await_selection(3)

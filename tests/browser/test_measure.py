@@ -101,6 +101,7 @@ def test_an_up_vector_of_ones_own(page, measured):
     assert page.table() == rows_of(measured({"up": "0.1,0,1"}))
 
 
+@pytest.mark.slow
 def test_an_up_that_leaves_no_staircase_says_so(page):
     page.tab("Scan")
     page.choose("Up", "y")
@@ -125,6 +126,7 @@ def test_a_number_out_of_range_is_a_sentence_and_the_good_table_stays_dimmed(pag
     assert page.table() == rows_of(measured({"edges.front_percentile": 90.0}))
 
 
+@pytest.mark.slow
 def test_a_hostile_value_of_a_slider_is_a_sentence(page):
     slider = page.uuid("θ_th [°]")
     for theta, value in enumerate([999, -1, "nan", "-inf", "1e400"], start=20):
@@ -143,6 +145,7 @@ def test_a_value_of_the_wrong_kind_is_survived(page):
         page.await_result(f"θ_th {theta}°")
 
 
+@pytest.mark.slow
 def test_an_option_that_does_not_exist_is_a_sentence(page):
     page.send(page.uuid("Axes rule"), "<b>mine</b>")
     assert page.await_error() == "axes.rule: got '<b>mine</b>'; give one of auto, global, per_step"
@@ -150,6 +153,7 @@ def test_an_option_that_does_not_exist_is_a_sentence(page):
     page.await_result("axes global")
 
 
+@pytest.mark.slow
 def test_a_hostile_step_and_view_are_sentences(page):
     page.send(page.uuid("Selected step"), "77")
     assert "step 77 does not exist" in page.await_notification("Not done")

@@ -78,6 +78,7 @@ def test_a_window_of_another_shape_shows_the_whole_staircase_all_the_same(page):
     page.await_camera(page.home)
 
 
+@pytest.mark.slow
 def test_a_click_on_a_row_selects_the_step_and_a_second_click_puts_it_away(page):
     plain = page.still_picture()
     page.click_row(2)
@@ -166,6 +167,7 @@ def test_nothing_overflows(page, open_page, size):
     assert page.page.evaluate("() => document.documentElement.scrollWidth") <= width
 
 
+@pytest.mark.slow
 def test_the_view_panel_covers_no_control(page):
     boxes = [page.page.get_by_role("button", name=name, exact=True).bounding_box() for name in ("Raw", "Top")]
     panel = page.by_id("scan").bounding_box()

@@ -138,6 +138,7 @@ def test_an_overrule_that_is_written_counts_from_enter_and_a_wrong_one_is_a_sent
     clear(page)
 
 
+@pytest.mark.slow
 def test_marking_nothing_is_a_sentence(page):
     open_overrules(page)
     click_at_once(page.page.get_by_role("button", name="landing", exact=True))

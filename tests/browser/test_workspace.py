@@ -19,15 +19,16 @@ from tests.browser.inspector_page import click_at_once, share_changed, survey_ro
 SMALL, LARGE = (1280, 720), (2560, 1440)
 
 
-@pytest.fixture(
-    params=[
-        pytest.param(SMALL, id="small"),
-        pytest.param(LARGE, id="large", marks=pytest.mark.slow),
-    ]
+in_both_windows = pytest.mark.parametrize(
+    "page", [pytest.param(SMALL, id="small"), pytest.param(LARGE, id="large", marks=pytest.mark.slow)], indirect=True
 )
+"""For what is drawn in the scene or pointed at there: the slow run does it in a large window as well."""
+
+
+@pytest.fixture
 def page(page, request):
-    """The shared page in a small window, and for the slow run in a large one as well."""
-    if request.param == SMALL:
+    """The shared page in a small window, unless the test asks for another."""
+    if getattr(request, "param", SMALL) == SMALL:
         yield page
         return
     home = page.home
@@ -177,6 +178,7 @@ def test_a_sweep_shows_the_plateau_and_can_be_stopped(page):
     assert "ε_z" in page.text("sweep")
 
 
+@in_both_windows
 def test_dragging_over_the_histogram_chooses_eps_z(page):
     page.tab("Tune")
     box = page.by_id("histogram").locator("svg").bounding_box()
@@ -197,6 +199,8 @@ def test_dragging_over_the_histogram_chooses_eps_z(page):
 # Steps.
 
 
+@pytest.mark.slow
+@in_both_windows
 def test_arrow_keys_rows_and_scene_are_one_selection_and_the_card_has_its_pictures(page, measured):
     page.tab("Steps")
     for step in (1, 2, 3):
@@ -249,6 +253,7 @@ def test_a_verdict_has_a_reason_and_can_be_undone(page):
 
 
 @pytest.mark.slow
+@in_both_windows
 def test_standard_views_the_chosen_step_and_the_orthographic_look(page):
     pictures = [page.still_picture()]
     for view in ("Along", "Side"):
@@ -267,6 +272,7 @@ def test_standard_views_the_chosen_step_and_the_orthographic_look(page):
 
 
 @pytest.mark.slow
+@in_both_windows
 def test_a_section_shows_a_slab_and_its_profile(page):
     whole = page.still_picture()
     page.is_scene_touched = True
@@ -302,6 +308,7 @@ def test_a_section_shows_a_slab_and_its_profile(page):
 
 
 @pytest.mark.slow
+@in_both_windows
 def test_points_and_distances_are_measured_listed_named_and_deleted(page, measured):
     inspection = measured()
     page.show("Top")
@@ -361,6 +368,7 @@ def test_inches_are_shown_with_fractions_and_change_no_number(page, measured):
 
 
 @pytest.mark.slow
+@in_both_windows
 def test_colours_tell_height_normals_and_residuals_with_a_legend(page):
     pictures = {"Step": page.still_picture()}
     page.tab("Scan")
@@ -386,6 +394,7 @@ def test_colours_tell_height_normals_and_residuals_with_a_legend(page):
     page.page.get_by_label("Shade edges").click()
 
 
+@pytest.mark.slow
 def test_keys_are_listed_and_commands_are_found(page):
     page.hotkey("h")
     page.by_id("help").wait_for()
@@ -404,6 +413,7 @@ def test_keys_are_listed_and_commands_are_found(page):
 
 
 @pytest.mark.slow
+@in_both_windows
 def test_up_is_taken_from_the_treads_and_the_region_is_a_box_that_can_be_undone(page):
     page.tab("Scan")
     button(page, "Take the treads").click()
@@ -426,6 +436,7 @@ def test_up_is_taken_from_the_treads_and_the_region_is_a_box_that_can_be_undone(
 
 
 @pytest.mark.slow
+@in_both_windows
 def test_up_from_three_floor_points(page):
     page.show("Top")
     page.page.wait_for_timeout(1200)
@@ -473,6 +484,7 @@ def test_an_uploaded_scan_is_measured_and_what_is_no_scan_is_refused(page, scans
 
 
 @pytest.mark.slow
+@in_both_windows
 def test_a_picture_has_its_legend_and_either_background(page):
     page.tab("Export")
     row_input(page, "Title").fill("Hall B")
@@ -494,6 +506,7 @@ def test_a_picture_has_its_legend_and_either_background(page):
 
 
 @pytest.mark.slow
+@in_both_windows
 def test_all_standard_views_are_one_zip(page):
     page.tab("Export")
     page.choose("Size", "screen")

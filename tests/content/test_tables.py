@@ -128,6 +128,7 @@ def test_scans_of_known_stairs_close(name):
     assert row["Result"].words == "closes within U"
 
 
+@pytest.mark.slow
 def test_stations_that_lie_farther_apart_than_was_stated_do_not_close():
     # 2 mm from station to station, of which the settings know nothing.
     for row in rows_of(cross_checks.closure_table(scanned("long_landing")[1])):

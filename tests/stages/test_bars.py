@@ -32,7 +32,7 @@ def barred(bar_m, gap_m, is_along, seed=3):
 
 SIZES = [
     pytest.param(0.03, 0.04, True, id="bars of 30 mm along the climb"),
-    pytest.param(0.03, 0.04, False, id="bars of 30 mm across"),
+    pytest.param(0.03, 0.04, False, marks=pytest.mark.slow, id="bars of 30 mm across"),
     pytest.param(0.02, 0.01, True, marks=pytest.mark.slow, id="20 and 10 mm along"),
     pytest.param(0.02, 0.06, True, marks=pytest.mark.slow, id="20 and 60 mm along"),
     pytest.param(0.06, 0.06, True, marks=pytest.mark.slow, id="60 and 60 mm along"),

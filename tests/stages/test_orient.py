@@ -246,7 +246,10 @@ def test_up_is_square_to_the_treads_of_two_to_sixty_risers(n_steps, has_wall, tu
     assert degrees_between(up.vector, turn[:, 2]) < 0.1
 
 
-@pytest.mark.parametrize("turn", TURNS.values(), ids=TURNS)
+@pytest.mark.parametrize(
+    "turn",
+    [pytest.param(turn, marks=pytest.mark.slow if name != "z up" else (), id=name) for name, turn in TURNS.items()],
+)
 def test_a_long_stair_without_a_floor_is_told_by_the_way_its_levels_follow_each_other(turn):
     # Twice as many points on the risers, so that nothing but the pitch speaks for the treads.
     stair = Stair(n_steps=40, floor_depth=0.3, risers=True, spacing=0.025, noise=0.001, seed=6)
