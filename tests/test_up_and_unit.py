@@ -87,11 +87,16 @@ def _scanned(kind):
     return scan_building(build(stair), scanner).points
 
 
-def variants():
-    """Every kind at every pitch along every axis; units take turns, so that each meets each."""
+def variants(one_in=1):
+    """Every kind at every pitch along every axis; units take turns, so that each meets each.
+
+    With two for ``one_in`` every axis has every other pitch; it still meets every unit, and all its neighbours have the
+    pitches between.
+    """
     products = itertools.product(enumerate(KINDS), enumerate(PITCHES_DEG), enumerate(AXES))
     for (k, kind), (p, pitch_deg), (a, axis) in products:
-        yield Variant(kind, pitch_deg, axis, KNOWN_UNITS[(k + p + a) % len(KNOWN_UNITS)])
+        if (k + p + a) % one_in == 0:
+            yield Variant(kind, pitch_deg, axis, KNOWN_UNITS[(k + p + a) % len(KNOWN_UNITS)])
 
 
 @pytest.mark.parametrize(
@@ -108,15 +113,18 @@ def test_up_and_unit_are_those_of_the_stair(variant):
 
 
 def test_there_are_variants_of_every_axis_pitch_and_unit():
-    found = list(variants())
-    assert len(set(found)) == len(found) >= 200
-    assert {(variant.axis, variant.unit) for variant in found} == set(itertools.product(AXES, KNOWN_UNITS))
+    for one_in in (1, 2):
+        found = list(variants(one_in))
+        assert len(set(found)) == len(found) >= 200 / one_in
+        assert {(variant.axis, variant.unit) for variant in found} == set(itertools.product(AXES, KNOWN_UNITS))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_of_pitches_axes_and_units_none_is_wrong_without_a_question(kind):
-    found = {variant: variant.verdict() for variant in variants() if variant.kind == kind}
+    # Half of them where nearly all are right: what goes wrong there does so at many pitches.
+    tried = variants(1 if kind in FEWEST_RIGHT else 2)
+    found = {variant: variant.verdict() for variant in tried if variant.kind == kind}
     verdicts = list(found.values())
     print(kind, {name: verdicts.count(name) for name in ("right", "asked", "nothing", "wrong")})
     assert [variant for variant, verdict in found.items() if verdict == "wrong"] == []
