@@ -42,7 +42,7 @@ def measured(region="", **settings):
     return inspect(scan_with_surroundings(), params.replaced("overrules.region", region))
 
 
-@pytest.mark.parametrize("before_m", [1.4, 0.6, 0.3])
+@pytest.mark.parametrize("before_m", [pytest.param(1.4, marks=pytest.mark.slow), 0.6, 0.3])
 def test_a_region_around_the_stair_changes_nothing_inside_it(before_m):
     plain = measured()
     cut = measured(f"{-before_m},-0.4,-0.3,1.9,1.4,1.3")

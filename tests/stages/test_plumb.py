@@ -146,7 +146,7 @@ def test_without_a_floor_to_begin_at_up_is_not_perfectly_known():
     assert up.u_deg is None or up.u_deg > 0.0
 
 
-@pytest.mark.parametrize("slope_deg", [5.0, 8.0])
+@pytest.mark.parametrize("slope_deg", [5.0, pytest.param(8.0, marks=pytest.mark.slow)])
 def test_a_ramp_larger_than_the_floor_is_not_up(slope_deg):
     points, normals = STAIR.sample()
     rng = np.random.default_rng(6)
