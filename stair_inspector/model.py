@@ -4,6 +4,7 @@ Arrays are float64, contiguous and read-only unless a line says otherwise. "Loca
 scan's own axes with ``Scan.origin_m`` subtracted; the scan frame has it added again.
 """
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -201,7 +202,9 @@ class Surface:
     ``cells_m`` (2, c) mean plan coordinates of the points in each plan cell; ``centre_m`` (3,) and ``slope`` (2,) its
     robust plane, dz/dx and dz/dy; ``sigma_m`` the scatter of the cells' means about it; ``plane`` (step 8 of the paper
     for these points) in local scan axes; ``is_barred`` says that it is put together from bars with gaps; ``part_of`` is
-    the number of the surface that holds these points too, where this one is a piece of a tread.
+    the number of the surface that holds these points too, where this one is a piece of a tread. ``bounds_m`` are the
+    places across the climb, ``(-climb[1], climb[0]) @ plan``, beyond which another flight lies beside,
+    and ``covered_m`` those between which a runner of carpet hides it, ``cover_m`` thick.
     """
 
     level_id: int
@@ -215,6 +218,9 @@ class Surface:
     plane: PlaneFit
     is_barred: bool = False
     part_of: int | None = None
+    bounds_m: tuple[float, float] = (-math.inf, math.inf)
+    covered_m: tuple[float, float] | None = None
+    cover_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

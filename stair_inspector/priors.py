@@ -55,6 +55,8 @@ STRAIGHT_ON_DEG = 10.0
 """Flights whose directions differ by less go straight on over the landing between them."""
 SHORTEST_EDGE_M = 0.2
 """Two treads that touch along a shorter edge do not follow each other by that alone."""
+NARROWEST_FLIGHT_M = 0.56
+"""Codes allow no narrower flight; one that is twice as wide may be two side by side."""
 NARROWEST_OF_TWO_M, SHALLOWEST_OF_TWO_M = 0.45, 0.15
 """Width and depth of two risers that are a flight by themselves: boxes are smaller."""
 FLOOR_RATIO = 2.2

@@ -35,10 +35,22 @@ _LEAST_PER_BIN = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sampling:
-    """How a surface was sampled: noise across it (1 sigma), distance of neighbouring points, metres."""
+    """How a surface was sampled: noise across it (1 sigma), distance of neighbouring points, metres.
+
+    ``left_out`` is the range along an edge whose points were left out: nothing is seen of the edge there, nor missed.
+    """
 
     sigma_m: float
     spacing_m: float
+    left_out: tuple[float, float] | None = None
+
+    def seen_share(self, n_seen: int, n_bins: int, span: tuple[float, float]) -> float:
+        """Return the share of an edge that was seen, from how many of the pieces of its span were."""
+        if self.left_out is None:
+            return n_seen / n_bins
+        starts = span[0] + np.arange(n_bins + 1) / n_bins * (span[1] - span[0])
+        is_out = (starts[:-1] >= self.left_out[0]) & (starts[1:] <= self.left_out[1])
+        return min(1.0, n_seen / max(1, n_bins - int(np.count_nonzero(is_out))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,7 +274,7 @@ def find_face_edge(
         line.x_middle,
         line.middle_noise,
         line.slope_noise,
-        used / n_bins,
+        sampling.seen_share(used, n_bins, span),
         "face",
         float(mass.sum() / sign.sum()),
     )

@@ -134,9 +134,8 @@ def find_extent_edge(
     line = fit_line_robust(np.array(places), np.array(edges), np.array(sigmas), is_square) if len(edges) >= 2 else None
     if line is None:
         return None
-    first = EdgeLine(
-        line.middle, line.slope, line.x_middle, line.middle_noise, line.slope_noise, len(edges) / n_bins, "tread"
-    )
+    support = sampling.seen_share(len(edges), n_bins, span)
+    first = EdgeLine(line.middle, line.slope, line.x_middle, line.middle_noise, line.slope_noise, support, "tread")
     return _sharpened_line(out, along[inside], span, first, sampling, is_square)
 
 

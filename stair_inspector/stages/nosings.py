@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stair_inspector import priors
-from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.arrays import Bools, Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_face_edge
 from stair_inspector.geometry.extents import find_extent_edge
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, MEDIAN_NOISE
@@ -91,6 +91,10 @@ class _Near:
     s: Floats
     w: Floats
     r: Floats
+
+    def chosen(self, which: Bools) -> "_Near":
+        """Return some of the points."""
+        return _Near(self.s[which], self.w[which], self.r[which])
 
 
 def find_shapes(
@@ -261,9 +265,14 @@ def _shape(
         # Nothing lies below: the patch's own front is all there is.
         origin = surface.cells_m.mean(axis=1)
     s, w = climb @ (surface.cells_m - origin[:, None]), left @ (surface.cells_m - origin[:, None])
-    front = _front_of(s, w, chain.lengths_m[k])
+    covered = None
+    if surface.covered_m is not None:
+        covered = (surface.covered_m[0] - float(left @ origin), surface.covered_m[1] - float(left @ origin))
+    front = _front_of(s, w, chain.lengths_m[k], covered)
     is_strip = s <= front + STRIP_M
     w_low, w_high = (float(value) for value in np.percentile(w[is_strip], [1.0, 99.0]))
+    if covered is not None:
+        w_low, w_high = _with_cover(patches, number, left, origin, (w_low, w_high))
     if span is not None:
         # Of a few cells in a row some may be missing at either end.
         aside = float(left @ origin)
@@ -288,11 +297,18 @@ def _shape(
     if plane.sigma_m > _NOISY_M or span is not None:
         plane, near = _refit(near, plane, extent)
     sampling = Sampling(plane.sigma_m, plane.spacing_m)
+    on_cover = near
+    if covered is not None:
+        # At a side that the runner reaches, its own edge is the tread's.
+        on_cover = replace(near, r=near.r - surface.cover_m)
+        near = near.chosen((near.w < covered[0]) | (near.w > covered[1]))
     finder = _Finder(near, sampling, band_m, params, surface.is_barred)
+    finder_across = replace(finder, sampling=replace(sampling, left_out=covered))
     half_m = chain.lengths_m[k] / 2.0
     is_wide = w_high - w_low > 1.5 * chain.lengths_m[k]
     front_span = (-half_m, half_m) if is_wide and not (k == 0 and chain.base is None) else (w_low, w_high)
-    found = finder.edge(-near.s, near.w, _inset(front_span), -front, is_foot=False)
+    front_span = _bare_span(front_span, covered)
+    found = finder_across.edge(-near.s, near.w, _inset(front_span), -front, is_foot=False)
     nosing = _guessed(front, front_span) if found is None else found.flipped()
     start = nosing.middle_m
     side_span = _inset((start, min(s_high, start + STRIP_M)))
@@ -302,8 +318,16 @@ def _shape(
         # The riser above turns against this nosing: on the inner side of the curve it stands nearer.
         left_span, right_span = (_inset(span_beside(arc, origin, climb, (start, s_high), w)) for w in (w_high, w_low))
     on_left, on_right = (math.inf, -math.inf) if arc is not None else _slots_beside(near, side_span, extent, finder)
-    to_left = finder.edge(across, near.s, left_span, w_high, is_square=is_straight, stop_m=on_left)
-    to_right = finder.edge(-across, near.s, right_span, -w_low, is_square=is_straight, stop_m=-on_right)
+    if is_straight and arc is None:
+        aside = float(left @ origin)
+        on_left, on_right = min(on_left, surface.bounds_m[1] - aside), max(on_right, surface.bounds_m[0] - aside)
+    aside_of = [(finder, across, near.s)] * 2
+    if covered is not None:
+        covering = (replace(finder, near=on_cover), on_cover.w, on_cover.s)
+        aside_of = [covering if math.isinf(end) else bare for end, bare in zip(covered, aside_of, strict=True)]
+    (on_low, low_across, low_s), (on_high, high_across, high_s) = aside_of
+    to_left = on_high.edge(high_across, high_s, left_span, w_high, is_square=is_straight, stop_m=on_left)
+    to_right = on_low.edge(-low_across, low_s, right_span, -w_low, is_square=is_straight, stop_m=-on_right)
     left_side = to_left or _guessed(w_high, left_span)
     right_side = _guessed(w_low, right_span) if to_right is None else to_right.flipped()
     if arc is not None:
@@ -329,8 +353,8 @@ def _shape(
     )
     shape = replace(shape, line_range=(shape.right.at(start), shape.left.at(start)))
     shape = _with_nosing_heights(shape, near, band_m, is_stepped, surface.is_barred)
-    shape = _with_back(shape, finder, above, rise_above_m)
-    return replace(shape, coverage=_coverage(shape, near, band_m))
+    shape = _with_back(shape, finder_across, above, rise_above_m)
+    return replace(shape, coverage=_coverage(shape, near, band_m, covered))
 
 
 def _with_nosing_heights(shape: StepShape, near: _Near, band_m: float, is_stepped: bool, is_barred: bool) -> StepShape:
@@ -399,10 +423,33 @@ def _shape_frame(origin: Floats, climb: Floats, plan: Floats) -> tuple[float, fl
     return float(shift @ climb), float(shift[1] * climb[0] - shift[0] * climb[1])
 
 
-def _front_of(s: Floats, w: Floats, length_m: float) -> float:
-    """Return where a patch begins over the middle of its front edge."""
-    is_middle = np.abs(w) <= 0.4 * length_m
+def _front_of(s: Floats, w: Floats, length_m: float, covered: tuple[float, float] | None) -> float:
+    """Return where a patch begins over the middle of its front edge, beside what covers it there."""
+    is_middle = np.abs(w) <= (0.4 if covered is None else 0.5) * length_m
+    if covered is not None:
+        is_middle &= (w <= covered[0]) | (w >= covered[1])
     return float(np.percentile(s[is_middle] if is_middle.any() else s, 2.0))
+
+
+def _with_cover(
+    patches: Patches, number: int, left: Floats, origin: Floats, sides: tuple[float, float]
+) -> tuple[float, float]:
+    """Return between which sides a step lies with the runner that was taken off it."""
+    ends = [
+        np.percentile(left @ (piece.cells_m - origin[:, None]), [1.0, 99.0])
+        for piece in patches.surfaces
+        if piece.part_of == number
+    ]
+    return min(sides[0], *(float(low) for low, _ in ends)), max(sides[1], *(float(high) for _, high in ends))
+
+
+def _bare_span(span: tuple[float, float], covered: tuple[float, float] | None) -> tuple[float, float]:
+    """Return the part of an edge that a runner at one of its ends leaves bare."""
+    if covered is None:
+        return span
+    low = covered[1] if math.isinf(covered[0]) else span[0]
+    high = covered[0] if math.isinf(covered[1]) else span[1]
+    return low, high
 
 
 def _inset(span: tuple[float, float]) -> tuple[float, float]:
@@ -676,7 +723,7 @@ def _with_back(shape: StepShape, finder: _Finder, above: StepShape | None, rise_
     """Find the back edge: the riser face above the step, else the end of what is seen of it."""
     near = finder.near
     _, s_high, w_low, w_high = shape.extent
-    span = _inset((w_low, w_high))
+    span = _inset(_bare_span((w_low, w_high), finder.sampling.left_out))
     if above is None:
         # With nothing above, the end of what was seen may be a shadow's: only a face makes it an edge.
         back = finder.edge(near.s, near.w, span, s_high)
@@ -732,8 +779,8 @@ def _find_foot(
     return fit_local(horizontal, base, origin, climb, strip, rough)
 
 
-def _coverage(shape: StepShape, near: _Near, band_m: float) -> float:
-    """Return the share of the cells of a tread's rectangle that hold points."""
+def _coverage(shape: StepShape, near: _Near, band_m: float, covered: tuple[float, float] | None) -> float:
+    """Return the share of the cells of a tread's rectangle that hold points, of those that no runner covers."""
     s_high = shape.extent[1]
     s_low, w_low, w_high = shape.front.middle_m, shape.right.middle_m, shape.left.middle_m
     if shape.back is not None:
@@ -750,4 +797,8 @@ def _coverage(shape: StepShape, near: _Near, band_m: float) -> float:
     inside = (column >= 0) & (column < n_s) & (row >= 0) & (row < n_w)
     is_filled = np.zeros(n_s * n_w, dtype=np.bool_)
     is_filled[column[inside] * n_w + row[inside]] = True
+    if covered is not None:
+        middles = w_low + (np.arange(n_w) + 0.5) / n_w * (w_high - w_low)
+        is_bare = (middles <= covered[0]) | (middles >= covered[1])
+        return float(is_filled.reshape(n_s, n_w)[:, is_bare].mean()) if is_bare.any() else 0.0
     return float(is_filled.mean())

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from stair_inspector import priors
-from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.slots import Sides, find_slots
-from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, Patches, Surface
+from stair_inspector.geometry.arrays import Floats, Ints
+from stair_inspector.geometry.slots import Sides, find_slots, with_common_slots
+from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, Note, Patches, Surface
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.bars import surface_of_rows
 from stair_inspector.stages.flights import find_chains
@@ -22,6 +22,7 @@ from stair_inspector.stages.foot import without_floor_strips
 from stair_inspector.stages.links import depth_along, height_at
 from stair_inspector.stages.nosings import straight_climb
 from stair_inspector.stages.rejects import Forced
+from stair_inspector.stages.runners import bare_treads
 
 _ROUNDS = 3
 """A piece that is joined may let the flight go on, and so find the pieces of the next tread."""
@@ -32,6 +33,10 @@ _WHOLE_TREADS = 2
 _BESIDE_CELLS = 2.0
 """Cells on the rim of a surface are partly filled: so far a piece may lie outside of where it should."""
 _FEWEST_CELLS = 4
+_HOLE_M = 1.0
+"""Below a tripod a landing is not seen; what lies behind is a piece of it, where it is no wider than the flight."""
+_FEWEST_GAPS = 3
+"""So many gaps on each tread are those of bars along the climb."""
 _SIDE_M = 0.15
 """What lies on either side of a slot between two flights is wider than a bar."""
 
@@ -57,7 +62,7 @@ def find_flights(
     -------
     patches : Patches
         The same object where no tread is in pieces. Else a tread holds the points of all its pieces, which keep their
-        numbers and say of which surface they are part.
+        numbers and say of which surface they are part. Under a runner of carpet it holds what is bare.
     chains : Chains
         Of these surfaces, without strips of floor.
     """
@@ -68,12 +73,68 @@ def find_flights(
             break
         patches = better
         chains = find_chains(patches, params, least_area_m2, forced)
-    return patches, without_floor_strips(heights, patches, chains, forced)
+    chains = without_floor_strips(heights, patches, chains, forced)
+    doubts = [note for chain in chains.chains for note in _note_of_bars(horizontal, patches, chain)]
+    chains = dataclasses.replace(chains, notes=(*chains.notes, *doubts)) if doubts else chains
+    return bare_treads(horizontal, _with_common_bounds(patches, chains), chains)
+
+
+def _with_common_bounds(patches: Patches, chains: Chains) -> Patches:
+    """Let all treads of a flight end where those do that were parted from the flight beside it.
+
+    Of two flights of bars some treads lie far enough apart by themselves. A landing may lie before both.
+    """
+    surfaces = list(patches.surfaces)
+    for chain in chains.chains:
+        treads = [number for number in chain.steps if surfaces[number].is_barred]
+        bounds = np.array([surfaces[number].bounds_m for number in treads]).reshape(-1, 2)
+        if not np.isfinite(bounds).any():
+            continue
+        common = [
+            float(np.median(finite)) if len(finite := side[np.isfinite(side)]) else unbounded
+            for side, unbounded in zip(bounds.T, (-math.inf, math.inf), strict=True)
+        ]
+        for number, (low, high) in zip(treads, bounds, strict=True):
+            limits = (float(low) if np.isfinite(low) else common[0], float(high) if np.isfinite(high) else common[1])
+            surfaces[number] = dataclasses.replace(surfaces[number], bounds_m=limits)
+    return Patches(tuple(surfaces), patches.cell_m)
+
+
+def _note_of_bars(horizontal: Horizontal, patches: Patches, chain: Chain) -> list[Note]:
+    """Say of a flight of bars along its climb, wide enough for two, that a gap as between bars may lie between two."""
+    climb = straight_climb(chain)
+    barred = [patches.surfaces[number] for number in chain.steps if patches.surfaces[number].is_barred]
+    if climb is None or len(barred) <= len(chain.steps) // 2:
+        return []
+    left = np.array([-climb[1], climb[0]])
+    sides = [_sides_of(horizontal, surface, left) for surface in barred]
+    width_m = float(np.median([each.high - each.low for each in sides]))
+    gaps_m = [stop - start for each in sides for start, stop in each.gaps]
+    if len(gaps_m) < _FEWEST_GAPS * len(sides) or width_m < 2.0 * priors.NARROWEST_FLIGHT_M:
+        return []
+    lowest_m = patches.surfaces[chain.steps[0]].height_m
+    message = (
+        f"the flight whose lowest step is at {lowest_m:.3f} m is {width_m:.2f} m wide, and gaps of about "
+        f"{1000.0 * float(np.median(gaps_m)):.0f} mm run through its treads from front to back: two flights side by "
+        "side with such a gap between them look the same; if it is two, each is narrower than what is given here"
+    )
+    return [Note("flights_may_be_two", "flights", message)]
 
 
 def _sides_of(horizontal: Horizontal, surface: Surface, left: Floats) -> Sides:
     across = left @ horizontal.coordinates_m[:2].take(surface.rows, axis=1)
     return find_slots(across, math.sqrt(surface.area_m2 / len(across)), surface.is_barred)
+
+
+def _sides_of_steps(horizontal: Horizontal, surfaces: Sequence[Surface], chain: Chain, left: Floats) -> list[Sides]:
+    """Return the sides and slots of all steps of a chain; of bars the gaps on all treads tell which are slots."""
+    sides = [_sides_of(horizontal, surfaces[number], left) for number in chain.steps]
+    barred = [k for k, number in enumerate(chain.steps) if surfaces[number].is_barred]
+    if len(barred) > _WHOLE_TREADS:
+        known = [slot for k, each in enumerate(sides) if k not in barred for slot in each.slots]
+        for k, better in zip(barred, with_common_slots([sides[k] for k in barred], known), strict=True):
+            sides[k] = better
+    return sides
 
 
 def _parted(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Forced) -> Patches:
@@ -84,7 +145,7 @@ def _parted(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Fo
         if climb is None or len(chain.steps) <= _WHOLE_TREADS:
             continue
         left = np.array([-climb[1], climb[0]])
-        sides = [_sides_of(horizontal, surfaces[number], left) for number in chain.steps]
+        sides = _sides_of_steps(horizontal, surfaces, chain, left)
         for k, number in enumerate(chain.steps):
             if number in forced.kinds:
                 continue
@@ -93,14 +154,26 @@ def _parted(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Fo
             slot = next((slot for slot in sides[k].slots if _is_between_flights(slot, sides[k], others)), None)
             if slot is None:
                 continue
-            rows, level_id = surfaces[number].rows, surfaces[number].level_id
-            is_left = left @ horizontal.coordinates_m[:2].take(rows, axis=1) > sum(slot) / 2.0
+            rows, (low, high), middle = surfaces[number].rows, surfaces[number].bounds_m, sum(slot) / 2.0
+            is_left = left @ horizontal.coordinates_m[:2].take(rows, axis=1) > middle
+            parts = [
+                _with_rows(horizontal, surfaces[number], rows[~is_left], patches.cell_m, (low, middle)),
+                _with_rows(horizontal, surfaces[number], rows[is_left], patches.cell_m, (middle, high)),
+            ]
             # The larger part keeps the number.
-            is_less = is_left if 2 * np.count_nonzero(is_left) < len(rows) else ~is_left
-            is_barred = surfaces[number].is_barred
-            surfaces[number] = surface_of_rows(horizontal, rows[~is_less], level_id, patches.cell_m, is_barred)
-            surfaces.append(surface_of_rows(horizontal, rows[is_less], level_id, patches.cell_m, is_barred))
+            if 2 * np.count_nonzero(is_left) >= len(rows):
+                parts.reverse()
+            surfaces[number] = parts[0]
+            surfaces.append(parts[1])
     return patches if len(surfaces) == len(patches.surfaces) else Patches(tuple(surfaces), patches.cell_m)
+
+
+def _with_rows(
+    horizontal: Horizontal, surface: Surface, rows: Ints, cell_m: float, bounds_m: tuple[float, float]
+) -> Surface:
+    """Return the surface that other rows form, of the same kind as a surface, and between which bounds it lies."""
+    changed = surface_of_rows(horizontal, rows, surface.level_id, cell_m, surface.is_barred)
+    return dataclasses.replace(changed, bounds_m=bounds_m)
 
 
 def _is_between_flights(slot: tuple[float, float], sides: Sides, others: Sequence[Sides]) -> bool:
@@ -120,7 +193,7 @@ def _joined(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Fo
         for number, pieces in _pieces_of(horizontal, surfaces, chain, free, patches.cell_m).items():
             whole = surfaces[number]
             rows = np.unique(np.concatenate([whole.rows, *(surfaces[k].rows for k in pieces)]))
-            surfaces[number] = surface_of_rows(horizontal, rows, whole.level_id, patches.cell_m, whole.is_barred)
+            surfaces[number] = _with_rows(horizontal, whole, rows, patches.cell_m, whole.bounds_m)
             for k in pieces:
                 surfaces[k] = dataclasses.replace(surfaces[k], part_of=number)
             free -= set(pieces)
@@ -145,13 +218,13 @@ def _pieces_of(
     for k, number in enumerate(chain.steps):
         if k + 1 < len(chain.steps) and chain.n_missing[k + 1]:
             continue
-        end = fronts[k + 1] if k + 1 < len(fronts) else fronts[k] + depth_along(surfaces[number], climb)
+        end = fronts[k + 1] if k + 1 < len(fronts) else fronts[k] + depth_along(surfaces[number], climb) + _HOLE_M
         along = (fronts[k] - _BESIDE_CELLS * cell_m, end + priors.DEEPEST_OVERHANG_M + _BESIDE_CELLS * cell_m)
         found = [other for other in sorted(free) if _is_in_plane(surfaces[other], surfaces[number], climb, along)]
         near |= {k: found} if found else {}
     if not near:
         return {}
-    sides = [_sides_of(horizontal, surfaces[number], left) for number in chain.steps]
+    sides = _sides_of_steps(horizontal, surfaces, chain, left)
     result: dict[int, list[int]] = {}
     for k, found in near.items():
         number, others = chain.steps[k], [other for j, other in enumerate(sides) if j != k]

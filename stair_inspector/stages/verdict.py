@@ -165,6 +165,7 @@ def _name_patches(
     }
     bases = frozenset(chain.base for chain in chains.chains if chain.base is not None)
     floors = bases - step_of.keys() if survey.steps else _lowest_surface(patches, forced)
+    floors |= {number for number, surface in enumerate(patches.surfaces) if surface.part_of in floors}
     taken = floors | step_of.keys()
     wanted = paper.params
     reasons = explain_rejects(patches, chains, forced, taken, wanted.patches.min_area_m2, wanted.flights)

@@ -5,7 +5,7 @@ Stair frame, as the simulator's: floor at z = 0, climb along +x at the foot, +y 
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,7 +72,12 @@ def curved(stair: Plain, radius_m: float, is_left: bool) -> Built:
 
 
 def of_bars(stair: Plain, bar_m: float, gap_m: float, is_along: bool) -> Built:
-    """An open stair whose treads are bars with gaps, along the climb or across it; the upper landing is whole."""
+    """An open stair whose treads are bars with gaps, along the climb or across it; the upper landing is whole.
+
+    Across the climb the gaps are exactly as wide as given, and the last bar ends about where the next tread begins, as
+    treads with an overhang or with open risers do. Along it the outermost bars are flush with the sides, and the gaps
+    are as near to the width given as whole bars allow.
+    """
     shapes = Shapes()
     half = stair.width_m / 2.0
     end = (stair.n_risers - 1) * stair.going_m + LANDING_M
@@ -80,9 +85,8 @@ def of_bars(stair: Plain, bar_m: float, gap_m: float, is_along: bool) -> Built:
     for k, height in enumerate(stair.heights_m()[:-1], 1):
         front = (k - 1) * stair.going_m
         across, length = (stair.width_m, stair.going_m) if is_along else (stair.going_m, stair.width_m)
-        # As many whole bars as fit, the outermost flush with the edges.
-        n_bars = int((across + gap_m) // (bar_m + gap_m))
-        pitch = (across - bar_m) / (n_bars - 1)
+        n_bars = max(2, round((across + gap_m) / (bar_m + gap_m)))
+        pitch = (across - bar_m) / (n_bars - 1) if is_along else bar_m + gap_m
         for low in (i * pitch for i in range(n_bars)):
             x, y = (
                 ((0.0, length), (low - half, low - half + bar_m)) if is_along else ((low, low + bar_m), (-half, half))
@@ -94,8 +98,67 @@ def of_bars(stair: Plain, bar_m: float, gap_m: float, is_along: bool) -> Built:
     return Built(shapes.building(None, (), _way(stair), "bars"), _straight_nosings(stair))
 
 
-def stood_on(stair: Plain, things: tuple[tuple[int, float, float, float, float], ...]) -> Built:
-    """A solid stair on which things stand: step, place left of the middle, width, depth and height of each."""
+@dataclass(frozen=True)
+class Thing:
+    """A box on a step: its place left of the middle, its sizes, and how high it floats, as a plant's leaves do.
+
+    It stands in the middle of a tread's depth, or so far behind the nosing as is said.
+    """
+
+    step: int
+    aside_m: float
+    width_m: float
+    depth_m: float
+    high_m: float
+    behind_m: float | None = None
+    above_m: float = 0.0
+
+
+def stood_on(stair: Plain, things: tuple[Thing, ...]) -> Built:
+    """A solid stair on which things stand."""
+    shapes = _solid(stair)
+    for thing in things:
+        behind_m = (stair.going_m - thing.depth_m) / 2.0 if thing.behind_m is None else thing.behind_m
+        front = (thing.step - 1) * stair.going_m + behind_m
+        low = stair.heights_m()[thing.step - 1] + thing.above_m
+        corner = (front + thing.depth_m, thing.aside_m + thing.width_m / 2.0, low + thing.high_m)
+        shapes.box((front, thing.aside_m - thing.width_m / 2.0, low), corner, _surface("box"))
+    return Built(shapes.building(None, (), _way(stair), "things"), _straight_nosings(stair))
+
+
+def with_runner(stair: Plain, thick_m: float, width_m: float, aside_m: float = 0.0) -> Built:
+    """A solid stair with a runner of carpet on treads and risers, from the floor to the upper landing.
+
+    The nosings are those of the stair under it.
+    """
+    shapes = _solid(stair)
+    low, high = aside_m - width_m / 2.0, aside_m + width_m / 2.0
+    for k, height in enumerate(stair.heights_m(), 1):
+        front = (k - 1) * stair.going_m - thick_m
+        shapes.box((front, low, height - stair.rise_m), (front + thick_m, high, height + thick_m), _surface("box"))
+        back = front + stair.going_m if k < stair.n_risers else front + 0.3
+        shapes.box((front, low, height), (back, high, height + thick_m), _surface("box"))
+    return Built(shapes.building(None, (), _way(stair), "runner"), _straight_nosings(stair))
+
+
+def beside(built: Built, apart_m: float, width_m: float) -> Built:
+    """Two of the same staircases side by side, of this width and so far apart; the second is on the left."""
+    import trimesh
+
+    building, shift = built.building, np.array([0.0, width_m + apart_m, 0.0])
+    moved = building.mesh.copy()
+    moved.apply_translation(shift)
+    both = replace(
+        building,
+        mesh=trimesh.util.concatenate([building.mesh, moved]),
+        surface_of=np.concatenate([building.surface_of, building.surface_of + len(building.surfaces)]),
+        surfaces=building.surfaces * 2,
+        walk=tuple((x, y + float(shift[1]) / 2.0, z) for x, y, z in building.walk),
+    )
+    return Built(both, (*built.nosings, *(nosing + shift for nosing in built.nosings)))
+
+
+def _solid(stair: Plain) -> Shapes:
     shapes = Shapes()
     half = stair.width_m / 2.0
     _quad(shapes, [(-FLOOR_M, -1.3, 0.0), (0.3, -1.3, 0.0), (0.3, 1.3, 0.0), (-FLOOR_M, 1.3, 0.0)], "floor")
@@ -103,12 +166,7 @@ def stood_on(stair: Plain, things: tuple[tuple[int, float, float, float, float],
         front = (k - 1) * stair.going_m
         back = front + (LANDING_M if k == stair.n_risers else stair.going_m)
         shapes.box((front, -half, 0.0), (back, half, height), _surface("tread", k))
-    for step, aside, width, depth, high in things:
-        front = (step - 1) * stair.going_m + (stair.going_m - depth) / 2.0
-        low = stair.heights_m()[step - 1]
-        corner = (front + depth, aside + width / 2.0, low + high)
-        shapes.box((front, aside - width / 2.0, low), corner, _surface("box"))
-    return Built(shapes.building(None, (), _way(stair), "things"), _straight_nosings(stair))
+    return shapes
 
 
 def _straight_nosings(stair: Plain) -> tuple[np.ndarray, ...]:

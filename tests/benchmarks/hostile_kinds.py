@@ -295,20 +295,37 @@ def obstructed(seed: int) -> Iterator[Variant]:
     )
 
 
-def _built(name: str, stair: buildings.Plain, built: buildings.Built, seed: int, turn: np.ndarray) -> Variant:
-    """A scan, by three stations, of a building that the simulator's own language has no words for."""
+def _built(
+    name: str,
+    stair: buildings.Plain,
+    built: buildings.Built,
+    seed: int,
+    turn: np.ndarray,
+    spoil: Callable[[np.ndarray], np.ndarray] = lambda points: points,
+) -> Variant:
+    """A scan, by three stations, of a building that the simulator's own language has no words for.
+
+    It is spoilt before it is turned. Of two flights one comes after the other.
+    """
     simulated = scan_building(built.building, replace(TLS, stations=3, seed=seed))
     nosings = [nosing @ turn.T for nosing in built.nosings]
-    last = len(nosings) - 1
+    is_landing = [k % stair.n_risers == stair.n_risers - 1 for k in range(len(nosings))]
     truths = tuple(
-        {
-            "rise": stair.rise_m,
-            "going": None if k == last else stair.going_m,
-            "width": None if k == last else stair.width_m,
-        }
-        for k in range(len(nosings))
+        {"rise": stair.rise_m, "going": None if last else stair.going_m, "width": None if last else stair.width_m}
+        for last in is_landing
     )
-    return Variant(name, simulated.points @ turn.T, tuple((nosing[0], nosing[1]) for nosing in nosings), truths)
+    points = spoil(simulated.points) @ turn.T
+    return Variant(name, points, tuple((nosing[0], nosing[1]) for nosing in nosings), truths)
+
+
+def without_disc(place: tuple[float, float, float], radius_m: float) -> Callable[[np.ndarray], np.ndarray]:
+    """No points in a round hole of a level surface, as below a tripod."""
+
+    def spoil(points: np.ndarray) -> np.ndarray:
+        is_level = np.abs(points[:, 2] - place[2]) < 0.03
+        return points[~(is_level & (np.hypot(points[:, 0] - place[0], points[:, 1] - place[1]) < radius_m))]
+
+    return spoil
 
 
 def curved(seed: int) -> Iterator[Variant]:
@@ -320,22 +337,43 @@ def curved(seed: int) -> Iterator[Variant]:
 
 
 def of_bars(seed: int) -> Iterator[Variant]:
-    """Treads of bars with gaps, along and across the climb."""
+    """Treads of bars with gaps, along and across the climb; two flights of them side by side."""
     stair = buildings.Plain()
-    for bar_m, gap_m in ((0.02, 0.03), (0.03, 0.06), (0.06, 0.012)):
+    for bar_m, gap_m in ((0.02, 0.03), (0.03, 0.06), (0.06, 0.012), (0.06, 0.06)):
         for is_along in (True, False):
             built = buildings.of_bars(stair, bar_m, gap_m, is_along)
             way = "along" if is_along else "across"
             name = f"bars of {1000.0 * bar_m:g}, gaps of {1000.0 * gap_m:g} mm {way}, seed {seed}"
             yield _built(name, stair, built, seed, yaw(25.0 * seed))
+    for apart_m in (0.05, 0.1):
+        built = buildings.beside(buildings.of_bars(stair, 0.03, 0.041, is_along=True), apart_m, stair.width_m)
+        name = f"two flights of bars of 30, gaps of 41 mm, {1000.0 * apart_m:g} mm apart, seed {seed}"
+        yield _built(name, stair, built, seed, yaw(25.0 * seed))
 
 
 def stood_on(seed: int) -> Iterator[Variant]:
-    """A person or boxes on the treads."""
+    """A person or boxes on the treads, things on the landing, a tripod's hole, a runner of carpet."""
     stair = buildings.Plain()
-    person, box = (3, 0.05, 0.45, 0.27, 1.75), (5, -0.2, 0.35, 0.25, 0.3)
+    person, box = buildings.Thing(3, 0.05, 0.45, 0.27, 1.75), buildings.Thing(5, -0.2, 0.35, 0.25, 0.3)
     for name, things in (("a person", (person,)), ("a box", (box,)), ("both", (person, box))):
         yield _built(f"{name}, seed {seed}", stair, buildings.stood_on(stair, things), seed, yaw(25.0 * seed))
+    landing = (
+        buildings.Thing(stair.n_risers, -0.2, 0.45, 0.3, 1.75, 0.1),
+        buildings.Thing(stair.n_risers, 0.3, 0.4, 0.4, 0.4, 0.5),
+        buildings.Thing(stair.n_risers, -0.25, 0.35, 0.35, 0.4, 0.9),
+        buildings.Thing(stair.n_risers, -0.25, 0.8, 0.8, 0.5, 0.65, above_m=0.6),
+    )
+    name = f"a person, a box and a plant on the landing, seed {seed}"
+    yield _built(name, stair, buildings.stood_on(stair, landing), seed, yaw(25.0 * seed))
+    for step, radius_m in ((4, 0.3), (stair.n_risers, 0.5)):
+        behind_m = 0.6 if step == stair.n_risers else stair.going_m / 2.0
+        spoil = without_disc(((step - 1) * stair.going_m + behind_m, 0.1, step * stair.rise_m), radius_m)
+        name = f"a hole of {radius_m:g} m on step {step}, seed {seed}"
+        yield _built(name, stair, buildings.stood_on(stair, ()), seed, yaw(25.0 * seed), spoil)
+    for thick_m, width_m, aside_m in ((0.006, 0.7, 0.0), (0.009, 0.9, 0.0), (0.012, 0.7, 0.0), (0.009, 0.5, 0.3)):
+        built = buildings.with_runner(stair, thick_m, width_m, aside_m)
+        name = f"a runner of {1000.0 * thick_m:g} mm, {width_m:g} m wide, {aside_m:g} m aside, seed {seed}"
+        yield _built(name, stair, built, seed, yaw(25.0 * seed))
 
 
 def no_staircase(seed: int) -> Iterator[Variant]:

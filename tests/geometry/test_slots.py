@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stair_inspector.geometry.slots import find_slots
+from stair_inspector.geometry.slots import find_slots, with_common_slots
 
 SPACING = 0.007
 
@@ -48,3 +48,34 @@ def test_the_gaps_between_bars_are_no_slots_but_a_wider_one_is(bar, gap):
 
 def test_few_points_tell_no_slot():
     assert find_slots(np.array([0.0, 0.5]), SPACING).slots == ()
+
+
+def twins(bar, gap, apart, n_treads=5, n_bars=10):
+    """The sides of some treads, each of two rows of bars so far apart."""
+    first = bars(0.0, n_bars * (bar + gap) - gap, bar, gap)
+    end = first[-1][1] + apart
+    second = [(low + end, high + end) for low, high in first]
+    treads = [across(*first, *second, seed=seed) for seed in range(n_treads)]
+    return [find_slots(tread, SPACING, is_barred=True) for tread in treads], end - apart / 2.0
+
+
+@pytest.mark.parametrize(("bar", "gap", "apart"), [(0.03, 0.041, 0.05), (0.06, 0.03, 0.04), (0.02, 0.055, 0.065)])
+def test_a_gap_that_is_a_little_wider_on_all_treads_is_a_slot(bar, gap, apart):
+    sides, middle = twins(bar, gap, apart)
+    assert not any(each.slots for each in sides)
+    for each in with_common_slots(sides):
+        ((start, stop),) = each.slots
+        assert (start + stop) / 2.0 == pytest.approx(middle, abs=0.004)
+
+
+def test_a_gap_like_the_others_is_a_slot_only_where_a_whole_surface_has_one():
+    sides, middle = twins(0.03, 0.041, 0.041)
+    assert not any(each.slots for each in with_common_slots(sides))
+    for each in with_common_slots(sides, [(middle - 0.02, middle + 0.02)]):
+        assert len(each.slots) == 1
+    assert with_common_slots(sides, [(0.0, 0.01)]) == list(sides)
+
+
+def test_a_wider_gap_on_one_tread_is_a_bar_that_lies_aside():
+    sides = twins(0.03, 0.041, 0.05, n_treads=1)[0] + twins(0.03, 0.041, 0.041, n_treads=4)[0]
+    assert not any(each.slots for each in with_common_slots(sides))

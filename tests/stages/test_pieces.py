@@ -93,9 +93,83 @@ def test_two_flights_side_by_side_stay_two_where_treads_are_in_pieces(apart):
     assert sorted(abs(width.value - STAIR.width) <= width.u < 0.015 for width in widths) == [False] * 2 + [True] * 6
 
 
+def bars_along(y_low, bar, gap, n_bars, seed, landing=0.0):
+    """Points of three treads of bars along x, 30 mm high, beside each other from one place on, and of a landing."""
+    rng = np.random.default_rng(seed)
+    width = n_bars * (bar + gap) - gap
+    parts = []
+    for k in range(1, 4):
+        x = (k - 1) * STAIR.going
+        for low in y_low + np.arange(n_bars) * (bar + gap):
+            top, side = (round(STAIR.going * wide * 15_000) for wide in (bar, 0.03))
+            parts.append(rng.uniform([x, low, k * 0.17], [x + STAIR.going, low + bar, k * 0.17], (top, 3)))
+            for y in (low, low + bar):
+                parts.append(rng.uniform([x, y, k * 0.17 - 0.03], [x + STAIR.going, y, k * 0.17], (side, 3)))
+    if landing:
+        x = 3 * STAIR.going
+        parts.append(
+            rng.uniform([x, y_low, 0.68], [x + landing, y_low + width, 0.68], (round(landing * width * 9e3), 3))
+        )
+    points = np.concatenate(parts)
+    return points + rng.normal(0.0, 0.0005, points.shape), width
+
+
+def twins_of_bars(apart, bar=0.03, gap=0.041, n_bars=10, landing=0.0):
+    first, width = bars_along(0.0, bar, gap, n_bars, 1, landing)
+    second, _ = bars_along(width + apart, bar, gap, n_bars, 2, landing)
+    floor = np.random.default_rng(3).uniform([-0.9, -0.4, 0.0], [0.4, 2.0 * width + 0.5, 1e-6], (20_000, 3))
+    return np.concatenate([first, second, floor]), width
+
+
+@pytest.mark.parametrize(("apart", "landing"), [(0.052, 0.0), (0.041, 0.9)])
+def test_flights_of_bars_hardly_farther_apart_than_their_bars_are_two(apart, landing):
+    # As far apart as the bars, only their whole landings tell.
+    points, width = twins_of_bars(apart, landing=landing)
+    inspection = found(points)
+    n_risers = 4 if landing else 3
+    assert [flight.n_risers for flight in inspection.flights] == [n_risers, n_risers]
+    treads = [step for step in inspection.steps if step.step_id % n_risers or not landing]
+    assert all(abs(step.width_m.value - width) <= step.width_m.u < 0.02 for step in treads)
+    assert not [note for note in inspection.notes if note.code == "flights_may_be_two"]
+
+
+def test_where_nothing_tells_two_flights_of_bars_from_a_wide_one_it_is_said():
+    points, width = twins_of_bars(0.041)
+    inspection = found(points)
+    assert [flight.n_risers for flight in inspection.flights] == [3]
+    (note,) = [note for note in inspection.notes if note.code == "flights_may_be_two"]
+    assert f"{2.0 * width + 0.03:.2f} m wide" in note.message
+
+
+def test_of_a_flight_of_bars_too_narrow_for_two_nothing_is_said():
+    points, width = bars_along(0.0, 0.03, 0.041, 14, 4)
+    floor = np.random.default_rng(3).uniform([-0.9, -0.4, 0.0], [0.4, 1.4, 1e-6], (16_000, 3))
+    inspection = found(np.concatenate([points, floor]))
+    assert width < 1.1
+    assert [flight.n_risers for flight in inspection.flights] == [3]
+    assert not [note for note in inspection.notes if note.code == "flights_may_be_two"]
+
+
+@pytest.mark.parametrize("radius", [0.3, 0.5])
+def test_a_tripods_hole_in_a_landing_moves_nothing(radius):
+    end, height = STAIR.n_steps * STAIR.going, STAIR.n_steps * STAIR.rise
+    n_landing = round(1.1 * STAIR.width / STAIR.spacing**2)
+    landing = np.random.default_rng(7).uniform([end, 0.0, height], [end + 1.1, STAIR.width, height], (n_landing, 3))
+    points = np.concatenate([STAIR.sample()[0], landing])
+    middle = np.array([end + 0.3, 0.5])
+    is_hole = (np.abs(points[:, 2] - height) < 0.02) & (np.hypot(*(points[:, :2] - middle).T) < radius)
+    whole, holed = found(points), found(points[~is_hole])
+    assert np.count_nonzero(is_hole) > 500
+    assert [step.kind for step in holed.steps] == ["tread"] * 3 + ["landing"]
+    for step, other in zip(whole.steps, holed.steps, strict=True):
+        assert abs(step.rise_m.value - other.rise_m.value) < 0.0003
+        assert abs(step.width_m.value - other.width_m.value) <= other.width_m.u < 0.02
+    assert holed.steps[3].coverage < whole.steps[3].coverage - 0.1
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("apart", [0.05, 0.1])
-@pytest.mark.parametrize(("bar", "gap", "is_along"), [(0.03, 0.03, False), (0.06, 0.012, True)])
+@pytest.mark.parametrize(("bar", "gap", "is_along"), [(0.03, 0.03, False), (0.06, 0.012, True), (0.03, 0.041, True)])
 def test_two_flights_of_bars_side_by_side_stay_two(apart, bar, gap, is_along):
     stair = buildings.Plain(n_risers=4)
     built = buildings.of_bars(stair, bar, gap, is_along).building
