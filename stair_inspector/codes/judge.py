@@ -46,6 +46,9 @@ _TELLING_NOTES = (
     "overrule_unmet",
     "no_staircase",
     "goes_on",
+    "runner",
+    "two_levels",
+    "flights_may_be_two",
 )
 """Codes of the notes on the whole scan that a reader of a check must know."""
 _CAVEATS = {

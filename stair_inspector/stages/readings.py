@@ -58,6 +58,8 @@ _FACES_COS = math.cos(math.radians(12.0))
 _NAME_DEG = 2.0
 _BESIDE_LEVEL_M = 0.05
 _NEARLY_ALL, _SEEN_THROUGH, _PLAN_CELL_M = 0.9, 0.25, 0.1
+_FEWEST_OF_EITHER = 2
+"""The sides of bars and the treads they form make a rhythm by chance, in which one face is the whole second family."""
 _ON_RHYTHM, _MOSTLY_ON, _FEWEST_TREADS = 0.15, 0.7, 2
 """Level points that lie so near, in rises, to the rhythm's heights are of treads; by chance three in ten do."""
 
@@ -124,6 +126,8 @@ def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bo
         lattice
         for lattice in find_lattices(scan.points, scan.normals, (priors.LEAST_RISE_M, longest))
         if min(lattice.rise_m, lattice.going_m) <= max(max_rise_m, priors.MOST_RISE_M)
+        # A camera may see one tread only.
+        and (is_camera or min(len(lattice.treads), len(lattice.risers)) >= _FEWEST_OF_EITHER)
     ]
     if not lattices:
         return []

@@ -1,13 +1,16 @@
 """Up is decided by the stair that comes out, or asked for: never do rise and going change places."""
 
+import dataclasses
 import itertools
 
 import numpy as np
 import pytest
 
+from stair_inspector.geometry.lattice import find_lattices
 from stair_inspector.model import Normals
 from stair_inspector.params import FloorParams, NormalsParams, Params, parse_up
 from stair_inspector.pipeline import inspect
+from stair_inspector.stages import readings
 from stair_inspector.stages.orient import find_normals, find_up
 from stair_inspector.stages.readings import is_view, name_of, one_of_each_voxel, question_of, read_rhythm, thin
 from tests.camera_views import AXES, View
@@ -238,3 +241,16 @@ def test_directions_are_named_as_the_flag_takes_them():
 def test_thinning_keeps_one_point_of_each_cube():
     points = np.array([[0.0, 0.0, 0.0], [0.001, 0.0, 0.0], [0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.051, 0.0, 0.0]])
     np.testing.assert_array_equal(one_of_each_voxel(points, 0.02), [0, 2, 3])
+
+
+def test_a_rhythm_of_which_one_face_is_the_whole_second_family_is_none_but_in_a_cameras_view(monkeypatch):
+    # So are the sides of bars to the treads that they form.
+    scan = Stair(n_steps=6, spacing=0.02, risers=True, floor_depth=1.0).scan()
+    thinned = thin(scan.points, scan.normals)
+    (whole,) = find_lattices(thinned.points, thinned.normals, (0.06, 0.5))
+    assert read_rhythm(thinned, 0.3, NOWHERE, is_camera=False)
+    for changes in ({"risers": whole.risers[:1]}, {"treads": whole.treads[:1]}):
+        one = dataclasses.replace(whole, **changes)
+        monkeypatch.setattr(readings, "find_lattices", lambda *_, one=one: [one])
+        assert not read_rhythm(thinned, 0.3, NOWHERE, is_camera=False)
+        assert read_rhythm(thinned, 0.3, NOWHERE, is_camera=True)
