@@ -11,7 +11,7 @@ from stair_inspector.content.cells import QUANTITY_WORDS, lengths, mm, with_u
 from stair_inspector.content.document import Cell, Column, Number, Status, Table, Tone, plain
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.readings import TapeReading
-from stair_inspector.content.values import flight_rise, flight_run, plane_to_plane
+from stair_inspector.content.values import flight_rise, flight_run, plane_to_plane, steps_of
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Measured, Step
 
@@ -55,7 +55,8 @@ def closure_table(inspection: Inspection) -> Table:
                 (flight.flight_id, *lengths(rises), mm(planes), None, None, Status(f"not possible: {why}", "plain"))
             )
             continue
-        difference = _of_the_ends(rises.value - planes, rises)
+        steps = steps_of(inspection, flight)
+        difference = _of_the_ends(rises.value - planes, rises, steps[0].rise_m, steps[-1].rise_m)
         is_closed = abs(difference.value) <= difference.u
         words = "closes within U" if is_closed else "differs by more than U"
         rows.append(
@@ -102,13 +103,16 @@ def _told_apart(difference_mm: float | None, u_mm: float | None) -> tuple[Cell, 
     return Number(difference_mm, digits), Number(u_mm, digits)
 
 
-def _of_the_ends(value_m: float, rises: Measured) -> Measured:
+def _of_the_ends(value_m: float, rises: Measured, first: Measured | None, last: Measured | None) -> Measured:
     """Return a difference of two heights between the same places, with what of the rises' uncertainty is left in it.
 
     Both heights have the same vertical and scale. The points at the nosings are not all of the surface's, and may have
-    been seen from other stations: all but those two stays.
+    been seen from other stations: all but those two stays. Of registration there is what it adds at the two ends: from
+    step to step between them both heights have the same.
     """
     parts = {name: part_of(rises, name) for name in OWN_PARTS}
+    ends = [part_of(rise, "registration") for rise in (first, last) if rise is not None]
+    parts["registration"] = math.hypot(*ends)
     return combined(value_m, parts)
 
 

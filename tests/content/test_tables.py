@@ -57,12 +57,12 @@ def test_a_flight_that_closes_says_so():
 def test_what_both_heights_of_a_closure_share_does_not_excuse_a_difference():
     rises = (("noise", 0.0003), ("edge", 0.0004), ("registration", 0.0012), ("up", 0.01), ("scale", 0.02))
     steps = [dataclasses.replace(each, rise_m=Measured(each.rise_m.value, 0.023, rises)) for each in standing(even(6))]
-    (near,) = rows_of(cross_checks.closure_table(closed(steps, floor(0.0029))))
-    (far,) = rows_of(cross_checks.closure_table(closed(steps, floor(0.0031))))
+    (near,) = rows_of(cross_checks.closure_table(closed(steps, floor(0.0017))))
+    (far,) = rows_of(cross_checks.closure_table(closed(steps, floor(0.0019))))
     assert (
         near["U of the difference"]
         == far["U of the difference"]
-        == pytest.approx(math.sqrt(0.3**2 + 0.4**2 + 6 * 1.2**2))
+        == pytest.approx(math.sqrt(0.3**2 + 0.4**2 + 2 * 1.2**2))
     )
     assert near["Result"] == Status("closes within U", "good")
     assert far["Result"] == Status("differs by more than U", "close")
@@ -126,6 +126,15 @@ def test_scans_of_known_stairs_close(name):
     # Far less than the uncertainty of the total rise, which an error of the vertical makes large.
     assert 0.1 < row["U of the difference"] < 0.5
     assert row["Result"].words == "closes within U"
+
+
+def test_registration_adds_to_the_closure_at_the_two_ends_alone():
+    for n in (3, 9):
+        rise = Measured(0.165, 0.0002, (("registration", 0.0002),))
+        (row,) = rows_of(
+            cross_checks.closure_table(closed(standing([step(k, rise=rise) for k in range(1, n + 1)]), floor()))
+        )
+        assert row["U of the difference"] == pytest.approx(0.2 * math.sqrt(2.0), abs=0.006)
 
 
 @pytest.mark.slow
