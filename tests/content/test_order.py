@@ -203,7 +203,7 @@ def test_the_uncertainty_is_stated_in_words():
         "vertical",
     ):
         assert words in text
-    assert "0.07 mm of registration" in text
+    assert "0.1 mm of registration" in text
 
 
 def test_nothing_stated_about_the_scanner_is_said_to_be_missing():
@@ -464,7 +464,7 @@ def test_what_a_clause_asks_for_without_a_number_keeps_the_result_from_being_goo
     )
     words = front_text(plain_document(scanned()[1], found))
     assert (
-        "1910.25(b)(3) gives no number for uniform riser heights between landings: 15.1 ± 0.4 mm, steps 4 and 5"
+        "1910.25(b)(3) gives no number for uniform riser heights between landings: 15.1 ± 0.5 mm, steps 4 and 5"
         in words
     )
 

@@ -123,7 +123,7 @@ def test_the_default_preset_is_the_defaults():
 @pytest.mark.parametrize(
     ("name", "registration_m", "edge_m", "side_m", "slope_deg", "up_deg", "scale_percent"),
     [
-        ("tls", 7e-05, 0.0, 0.0, 0.0, 0.008, 0.0),
+        ("tls", 0.0001, 0.0, 0.0, 0.0, 0.008, 0.0),
         ("handheld", 0.00075, 0.00037, 0.0012, 0.1, 0.1, 0.0),
         ("robot_lidar", 0.0015, 0.0014, 0.0025, 0.4, 0.13, 0.0),
         ("depth_camera", 0.003, 0.002, 0.012, 0.25, 0.17, 0.0),
