@@ -147,6 +147,27 @@ def test_the_top_level_holds_only_what_is_allowed():
     assert allowed <= names
 
 
+OF_VISERS_PAGE = re.compile(
+    r"\b_impl\b|_websock|\bviser\._|_live_connections|_gui_input_handle|__viser|<script|<style|\.mantine-"
+    r"|\bon(click|key\w+|load|error|pointer\w+)=|\bdocument\.(add|body|get|query|title)|\bevent\.(key|target)\b"
+)
+"""Private names of viser and its client, and scripts, styles and event handlers of the page."""
+
+
+def test_only_the_bridge_knows_what_is_private_to_viser_and_its_page():
+    assert OF_VISERS_PAGE.search("handle._impl.uuid")
+    assert OF_VISERS_PAGE.search('<b onclick="f()">')
+    outside = [file for file in (PACKAGE / "viewer").rglob("*.py") if file.parent.name != "bridge"]
+    assert len(outside) > 40
+    found = {
+        f"{file.relative_to(PACKAGE)}: {line.strip()}"
+        for file in outside
+        for line in file.read_text(encoding="utf-8").splitlines()
+        if OF_VISERS_PAGE.search(line)
+    }
+    assert found == set()
+
+
 def test_tests_mirror_the_package():
     folders = {
         path.name for path in (ROOT / "tests").iterdir() if path.is_dir() and not path.name.startswith(("_", "."))

@@ -1,6 +1,5 @@
 """The web server: where it listens, whom it lets in, and a session for every page."""
 
-import asyncio
 import contextlib
 import io
 import ipaddress
@@ -9,18 +8,16 @@ import socket
 import threading
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import viser
-import viser._messages
 
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.params import Params
 from stair_inspector.pictures.cameras import FOV_RAD
+from stair_inspector.viewer.bridge.server import close_connection, prepare_client, prepare_server
 from stair_inspector.viewer.bridge.uploads import limit_uploads
-from stair_inspector.viewer.bridge.wakeups import keep_waking
 from stair_inspector.viewer.compute.worker import Workshop
 from stair_inspector.viewer.page import Session
 from stair_inspector.viewer.state.library import DEFAULT_UPLOAD_LIMIT_MB, Library
@@ -81,8 +78,7 @@ class App:
             self._server = viser.ViserServer(host=host, port=self._port, verbose=False)
         # The address must be known to whoever prints it: viser moves to another port when its own is taken.
         self._port = self._server.get_port()
-        keep_waking(self._server._websock_server)
-        _remove_share_tunnel(self._server)
+        prepare_server(self._server)
         self._server.gui.configure_theme(show_logo=False, show_share_button=False)
         self._server.initial_camera.fov = FOV_RAD
         # Nothing in the scene mirrors or casts a shadow; both cost seconds where there is no graphics card.
@@ -121,7 +117,7 @@ class App:
         self._ended.set()
 
     def _connect(self, client: viser.ClientHandle) -> None:
-        keep_waking(client._websock_connection)
+        prepare_client(client)
         limit_uploads(client, self._library.check_upload)
         session = Session(
             client,
@@ -141,11 +137,7 @@ class App:
     def _drop(self, client: viser.ClientHandle) -> None:
         """Close the page of a browser that does not answer; one that is only slow connects again by itself."""
         self._disconnect(client)
-        # Private to viser, as what is used below.
-        server: Any = self._server._websock_server
-        connection = server._live_connections.get(client.client_id)
-        if connection is not None:
-            asyncio.run_coroutine_threadsafe(connection.close(), server._background_event_loop)
+        close_connection(self._server, client)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         with self._lock:
@@ -195,13 +187,3 @@ def _check_address(host: str, port: int) -> int:
                 ) from error
             raise ConfigError(f"--host: cannot listen on {host[:80]!r} ({error.strerror}); try 127.0.0.1") from error
         return int(probe.getsockname()[1])
-
-
-def _remove_share_tunnel(server: viser.ViserServer) -> None:
-    """Take away the messages by which any page could open a public tunnel to this server.
-
-    Hiding the button would not do: a page can send the message all the same. These names are private to viser, hence
-    the exact version in ``pyproject.toml`` and a test that sends the message.
-    """
-    for message in (viser._messages.ShareUrlRequest, viser._messages.ShareUrlDisconnect):
-        server._websock_server.unregister_handler(message)

@@ -14,6 +14,7 @@ from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import Params, Unit
 from stair_inspector.pictures.segmentation import view_from_local
 from stair_inspector.viewer.bridge.controls import words_of_change
+from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.bridge.reach_drag import REACH
 from stair_inspector.viewer.bridge.shortcuts import HelpCard
@@ -493,7 +494,7 @@ class Session:
             error=error,
             is_stale=is_stale,
             percent=percent,
-            cancel_uuid=self.panel.cancel._impl.uuid,
+            cancel_uuid=uuid_of(self.panel.cancel),
         )
 
     def _show_unsettled(self) -> None:

@@ -9,6 +9,10 @@ from stair_inspector.params import Params
 from stair_inspector.simulate.specs import Scanner, Stair
 
 
+def test_the_browsers_tab_names_the_scan(page):
+    page.page.wait_for_function("document.title === 'stair.ply · stair_inspector'")
+
+
 @pytest.mark.slow
 def test_two_inspectors_do_not_disturb_each_other(page, open_page, app):
     other = open_page()

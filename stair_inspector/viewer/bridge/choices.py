@@ -4,6 +4,8 @@ from typing import Any
 
 import viser
 
+from stair_inspector.viewer.bridge.handles import uuid_of
+
 
 class Choice:
     """A group of buttons that shows what is chosen, whoever has chosen it.
@@ -38,7 +40,7 @@ class Choice:
     @property
     def uuid(self) -> str:
         """Identity of the control, for who else writes into it."""
-        return str(self.group._impl.uuid)
+        return uuid_of(self.group)
 
     def show(self, chosen: str) -> None:
         """Show what is chosen."""

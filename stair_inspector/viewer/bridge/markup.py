@@ -68,9 +68,7 @@ def row_start(pick_uuid: str | None, number: int, word: str, *, is_selected: boo
     style += f"background:{CHOSEN};font-weight:600;" if is_selected else ""
     click = ""
     if pick_uuid is not None:
-        script = pick_script(pick_uuid, number, word)
-        on_key = f"if(event.key==='Enter'){{{script}}}"
-        click = f' tabindex="0" onclick="{text(script)}" onkeydown="{text(on_key)}"'
+        click = row_attributes(pick_script(pick_uuid, number, word))
         style += "cursor:pointer;"
     kind = word or "step"
     return (
@@ -87,6 +85,11 @@ def script_html(script: str) -> str:
     return f'<img alt="" src="{_NOTHING}" style="display:none" onload="{text(script)}">'
 
 
+def title_html(title: str) -> str:
+    """Return what gives the browser's tab a title, which viser has no setting for."""
+    return script_html(f"document.title={json.dumps(title)}")
+
+
 def write_script(control_uuid: str, expression: str) -> str:
     """Return the script that writes a value, an expression of the script's language, into a control of the page.
 
@@ -97,6 +100,31 @@ def write_script(control_uuid: str, expression: str) -> str:
         "window.__viserMutable.sendMessage({type:'GuiUpdateMessage',uuid:"
         f"{json.dumps(control_uuid)},updates:{{value:{expression}}}}})"
     )
+
+
+def press_attribute(script: str) -> str:
+    """Return the attribute by which a button runs a script when it is pressed."""
+    return f'onclick="{text(script)}"'
+
+
+def row_attributes(script: str, *, has_buttons: bool = False) -> str:
+    """Return the attributes by which a row runs a script when it is clicked, or chosen and Enter is pressed.
+
+    ``has_buttons`` tells that there are buttons in the row, whose own Enter is not the row's.
+    """
+    own = "event.target===this&&" if has_buttons else ""
+    on_key = f"if({own}event.key==='Enter'){{{script}}}"
+    return f' tabindex="0" {press_attribute(script)} onkeydown="{text(on_key)}"'
+
+
+def button_in_row(script: str) -> str:
+    """Return the attribute of a button that stands in a row which is pressed for something else."""
+    return press_attribute(f"event.stopPropagation();{script}")
+
+
+def scroll_attribute(testid: str) -> str:
+    """Return the attribute of a button that shows what has this ``data-testid``, wherever on the page it stands."""
+    return press_attribute(f"document.querySelector('[data-testid={testid}]').scrollIntoView({{block:'center'}})")
 
 
 def set_script(control_uuid: str, value: str | bool) -> str:
@@ -126,7 +154,7 @@ def order_button(order_uuid: str | None, word: str, key: int, number: int, title
     return (
         f'<button type="button" data-order="{word}" title="{text(title)}" aria-label="{text(title)}" '
         'style="border:0;background:none;cursor:pointer;color:inherit;padding:0 4px" '
-        f'onclick="{text(pick_script(order_uuid, number, f"{word} {key}"))}">{sign}</button>'
+        f"{press_attribute(pick_script(order_uuid, number, f'{word} {key}'))}>{sign}</button>"
     )
 
 

@@ -13,9 +13,11 @@ from stair_inspector.pictures.legends import Legend
 from stair_inspector.units import UNITS
 from stair_inspector.viewer.bridge.choices import Choice
 from stair_inspector.viewer.bridge.controls import SettingControls
+from stair_inspector.viewer.bridge.markup import title_html
 from stair_inspector.viewer.bridge.notices import from_page, orders_from_page
 from stair_inspector.viewer.bridge.overlay import overlay_html
 from stair_inspector.viewer.bridge.shortcuts import keys_html
+from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR
 from stair_inspector.viewer.parts.checks.tab import ChecksActions, ChecksTab
 from stair_inspector.viewer.parts.export.tab import ExportActions, ExportTab
 from stair_inspector.viewer.parts.scan.tab import ScanActions, ScanTab
@@ -28,10 +30,6 @@ from stair_inspector.viewer.scene.step_marks import StepMark
 
 WIDTH = 484
 """Of the panel, pixels."""
-_CLEAR_OF_THE_SCROLLBAR = (
-    "<style>.mantine-ScrollArea-viewport:has([data-testid=scan])>*{box-sizing:border-box;padding-right:8px}</style>"
-)
-"""viser draws it over the right end of the controls."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +66,8 @@ class Panel:
         gui = client.gui
         gui.set_panel_label("stair_inspector")
         self.controls = SettingControls(gui, params, actions.on_settings)
-        gui.add_html(keys_html() + _CLEAR_OF_THE_SCROLLBAR)
+        gui.add_html(keys_html() + CLEAR_OF_THE_SCROLLBAR)
+        self._title = gui.add_html("")
         self.toolbar = gui.add_html("")
         self.legend = gui.add_html("")
         self.header = gui.add_html("")
@@ -128,6 +127,7 @@ class Panel:
 
     def show_waiting(self, label: str, palette: Palette) -> None:
         """Show the empty page of a scan that is being opened."""
+        self._title.content = title_html(f"{label} · stair_inspector")
         self.header.content = html.header_html(label, None, None)
         self.show_table(html.table_html(None, palette, None, None), "paper", is_survey=False)
         self.tune.histogram.content = histogram.histogram_html(None, palette)

@@ -135,7 +135,7 @@ def test_messages_of_an_atomic_block_are_sent_when_it_ends(wire):
 
 def test_the_server_and_every_page_are_mended(monkeypatch, tmp_path):
     mended = []
-    monkeypatch.setattr("stair_inspector.viewer.app.keep_waking", mended.append)
+    monkeypatch.setattr("stair_inspector.viewer.bridge.server.keep_waking", mended.append)
     monkeypatch.setattr("stair_inspector.viewer.app.limit_uploads", lambda *_: None)
     monkeypatch.setattr("stair_inspector.viewer.app.Session", lambda *_: SimpleNamespace(close=lambda: None))
     app = App([tmp_path / "a.ply"], Params(), port=0)

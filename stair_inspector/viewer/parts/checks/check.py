@@ -26,6 +26,7 @@ from stair_inspector.files.rule_sets import parse_limit, rule_set_path
 from stair_inspector.files.toml import read_toml_bytes
 from stair_inspector.model import Inspection
 from stair_inspector.units import Unit
+from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.parts.checks.checks_html import (
     edits_html,
     not_assessed_html,
@@ -248,7 +249,7 @@ class Checking:
 
     def _show_results(self) -> None:
         desk, tab = self._desk, self._panel.checks
-        uuid = self._panel.picked._impl.uuid
+        uuid = uuid_of(self._panel.picked)
         tab.summary.content = summary_html(self.check, self._error)
         if self._drawn is None or self._drawn[0] is not self.check or self._drawn[1:] != (self._opened, desk.unit):
             self._drawn = (self.check, self._opened, desk.unit)

@@ -18,7 +18,7 @@ from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.content.wording import verdict_of
 from stair_inspector.model import Inspection, Measured
 from stair_inspector.units import M_PER_INCH, Unit, length_text, measured_text, tidy, uncertainty_text
-from stair_inspector.viewer.bridge.markup import CHOSEN, DIM, LINE, pick_script, text
+from stair_inspector.viewer.bridge.markup import CHOSEN, DIM, LINE, button_in_row, pick_script, row_attributes, text
 from stair_inspector.viewer.scene.step_marks import mark_html, marks_of, tone_css, tone_of
 
 RULE = "rule"
@@ -204,11 +204,7 @@ def _rule_rows(
     hint = f' title="{text(rule.note)}"' if rule.note else ""
     click = ""
     if pick_uuid is not None:
-        script = pick_script(pick_uuid, number, RULE)
-        click = (
-            f' tabindex="0" onclick="{text(script)}" '
-            f"onkeydown=\"{text(f'''if(event.target===this&&event.key==='Enter'){{{script}}}''')}\""
-        )
+        click = row_attributes(pick_script(pick_uuid, number, RULE), has_buttons=True)
     found = f"<div>{_value_html(worst, pick_uuid, unit)}</div>{_fit_html(rule, fit, unit)}"
     return (
         f'<tr data-testid="rule-row" data-rule="{text(rule.rule_id)}" data-verdict="{worst.verdict.value}" '
@@ -305,11 +301,10 @@ def _place_html(found: Finding, pick_uuid: str | None) -> str:
 def _step_button(step: int, pick_uuid: str | None) -> str:
     if pick_uuid is None:
         return str(step)
-    script = f"event.stopPropagation();{pick_script(pick_uuid, step)}"
     return (
         f'<button type="button" data-testid="finding-step" data-of="{step}" title="choose step {step}" '
-        f'onclick="{text(script)}" style="border:0;background:none;padding:0;cursor:pointer;color:inherit;'
-        f'font:inherit;text-decoration:underline dotted">{step}</button>'
+        f'{button_in_row(pick_script(pick_uuid, step))} style="border:0;background:none;padding:0;cursor:pointer;'
+        f'color:inherit;font:inherit;text-decoration:underline dotted">{step}</button>'
     )
 
 
@@ -349,9 +344,7 @@ def _step_row(
     items = "".join(_step_finding(check, step_id, found, unit) for found in told)
     click = ""
     if pick_uuid is not None:
-        script = pick_script(pick_uuid, step_id)
-        on_key = f"if(event.key==='Enter'){{{script}}}"
-        click = f' tabindex="0" onclick="{text(script)}" onkeydown="{text(on_key)}"'
+        click = row_attributes(pick_script(pick_uuid, step_id))
     style = f"border-bottom:1px solid {LINE};cursor:pointer;" + (f"background:{CHOSEN}" if is_selected else "")
     return (
         f'<tr data-testid="check-step-row" data-of="{step_id}" data-verdict="{worst.verdict.value}" '

@@ -21,6 +21,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.model import Inspection
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.render import RenderedView
+from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.bridge.markup import read_order
 from stair_inspector.viewer.compute.jobs import Making, Tell
 from stair_inspector.viewer.parts.checks.check import Checking
@@ -193,14 +194,14 @@ class Reporting:
         basis, folder = self._editor.work.basis, self._folder
         folder.show_basis(basis)
         folder.logo.content = logo_html(basis.logo)
-        folder.photos.content = photos_html(basis.photos, folder.order._impl.uuid)
+        folder.photos.content = photos_html(basis.photos, uuid_of(folder.order))
         self.show_readings()
 
     def show_readings(self) -> None:
         """Show the readings beside the present result; the caller holds the desk's lock."""
         inspection = self._desk.inspection
         self._folder.readings.content = readings_html(
-            inspection, self._editor.work.basis, self._folder.order._impl.uuid, self._desk.unit
+            inspection, self._editor.work.basis, uuid_of(self._folder.order), self._desk.unit
         )
         if inspection is not None:
             self._folder.offer_places(

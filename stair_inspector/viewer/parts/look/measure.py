@@ -11,6 +11,7 @@ from stair_inspector.pictures.cameras import Pose
 from stair_inspector.pictures.display import Display
 from stair_inspector.units import length_text
 from stair_inspector.viewer.bridge.choices import Choice
+from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.bridge.markup import DIM, read_order, text
 from stair_inspector.viewer.bridge.notices import from_page, orders_from_page
 from stair_inspector.viewer.parts.desk import Desk, Editor
@@ -131,7 +132,7 @@ class MeasureTool:
             known = self._editor.work.measurements
             inspection = desk.inspection
             up = inspection.up.vector if inspection is not None else None
-            self._list.content = measurements_html(known, up, desk.unit, self._order._impl.uuid)
+            self._list.content = measurements_html(known, up, desk.unit, uuid_of(self._order))
             options = (_NOBODY, *(entry.name for entry in known))
             if tuple(self._which.options) != options:
                 self._which.options = options

@@ -6,6 +6,7 @@ import viser
 
 from stair_inspector.viewer.bridge.cards import Card
 from stair_inspector.viewer.bridge.notices import from_page
+from stair_inspector.viewer.bridge.styles import wide_window
 
 ZOOMS = (1, 2, 4, 8)
 """How much larger than the window the drawing can be."""
@@ -13,11 +14,7 @@ WIDTH, TALLEST = 1160, 520
 """Of the drawing as large as the window, pixels."""
 MOST_DOTS = 25_000
 _LARGER, _SMALLER = "Larger", "Smaller"
-# viser's own windows are as wide as a message, and have no setting for it.
-_WIDE = (
-    "<style>.mantine-Modal-content:has([data-testid=large-section])"
-    f"{{flex:0 0 min({WIDTH + 80}px,96vw)!important;max-width:96vw!important}}</style>"
-)
+_WIDE = wide_window("large-section", WIDTH + 80)
 
 
 class SectionCard(Card):

@@ -6,6 +6,7 @@ import viser
 
 from stair_inspector.pictures.cameras import VIEWS
 from stair_inspector.units import UNITS
+from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.bridge.overlay import Tool, toolbar_html
 from stair_inspector.viewer.parts.desk import Desk, Editor
 from stair_inspector.viewer.parts.look.look import Looking
@@ -38,7 +39,7 @@ class Toolbar:
         """Show the buttons over the scene, and which of them are on."""
         desk, panel = self.desk, self.panel
         modes, cameras, targets = self.views.control_uuids
-        dark, help_button = (control._impl.uuid for control in (panel.dark, panel.help))
+        dark, help_button = (uuid_of(control) for control in (panel.dark, panel.help))
         theme = Tool("Light" if desk.is_dark else "Dark", "Light or dark theme (key T)", dark, not desk.is_dark)
         content = toolbar_html(
             (

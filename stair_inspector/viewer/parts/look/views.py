@@ -9,6 +9,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.projects import SavedView
 from stair_inspector.pictures.cameras import VIEWS, from_saved, to_saved
 from stair_inspector.viewer.bridge.choices import Choice
+from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.bridge.markup import DIM, LINE, list_key, read_order, text
 from stair_inspector.viewer.bridge.notices import from_page, orders_from_page
 from stair_inspector.viewer.parts.desk import Desk, Editor
@@ -37,7 +38,7 @@ class ViewTool:
         view.on_click(from_page(guard(self.set_view), lambda: view.value))
         step = gui.add_button_group("Look at", TARGETS, hint="Keys F and 1.")
         step.on_click(from_page(guard(self.look_at), lambda: step.value))
-        self.control_uuids: tuple[str, str, str] = (self._mode.uuid, view._impl.uuid, step._impl.uuid)
+        self.control_uuids: tuple[str, str, str] = (self._mode.uuid, uuid_of(view), uuid_of(step))
         """Of the groups for modes, views and targets; the toolbar over the scene writes into them."""
         self._ortho: Any = gui.add_checkbox("Orthographic", False, hint="Parallels stay parallel. Key O.")
         self._ortho.on_update(from_page(guard(self.set_ortho), lambda: self._ortho.value))
@@ -113,7 +114,7 @@ class ViewTool:
 
     def show(self) -> None:
         """List the kept views."""
-        self._list.content = views_html(self._editor.work.views, self._order._impl.uuid)
+        self._list.content = views_html(self._editor.work.views, uuid_of(self._order))
 
     def look_at(self, option: str) -> None:
         """Look at the chosen step, the stair or everything."""

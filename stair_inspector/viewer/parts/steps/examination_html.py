@@ -6,7 +6,7 @@ from stair_inspector.content.cures import Cure, cures_of
 from stair_inspector.content.examination import examined
 from stair_inspector.content.remarks import on_page
 from stair_inspector.model import Inspection, Observation
-from stair_inspector.viewer.bridge.markup import DIM, LINE, list_key, pick_script, text
+from stair_inspector.viewer.bridge.markup import DIM, LINE, list_key, pick_script, press_attribute, text
 from stair_inspector.viewer.scene.step_marks import tone_css
 
 CURE = "cure"
@@ -86,8 +86,8 @@ def _buttons(cures: Sequence[Cure], inspection: Inspection, pick_uuid: str | Non
     offered = offered_cures(inspection)
     key = list_key(offered)
     made = "".join(
-        f'<button type="button" data-testid="cure" onclick="'
-        f'{text(pick_script(pick_uuid, offered.index(cure) + 1, f"{CURE} {key}"))}" '
+        f'<button type="button" data-testid="cure" '
+        f"{press_attribute(pick_script(pick_uuid, offered.index(cure) + 1, f'{CURE} {key}'))} "
         f'style="border:1px solid {LINE};border-radius:4px;background:var(--mantine-color-body);color:inherit;'
         f'font:inherit;font-weight:600;padding:1px 8px;margin:2px 4px 2px 0;cursor:pointer">'
         f"{text(_label(cure, is_answer=is_answer))}</button>"

@@ -16,7 +16,19 @@ from stair_inspector.params import Params
 from stair_inspector.pictures.display import REJECTED_COLOR
 from stair_inspector.pictures.legends import CENTRE, line_entries
 from stair_inspector.units import Unit, tidy
-from stair_inspector.viewer.bridge.markup import DIM, LINE, chip, mm, row_start, set_script, table_head, text
+from stair_inspector.viewer.bridge.markup import (
+    DIM,
+    LINE,
+    chip,
+    mm,
+    press_attribute,
+    row_start,
+    scroll_attribute,
+    set_script,
+    table_head,
+    text,
+)
+from stair_inspector.viewer.bridge.styles import DIMMED_RESULTS, NARROW_TABS
 from stair_inspector.viewer.parts.steps import survey_html
 from stair_inspector.viewer.scene.stage import PAPER_EDGES
 from stair_inspector.viewer.scene.step_marks import MARKED, TONE_RGB, StepMark, mark_html
@@ -24,8 +36,6 @@ from stair_inspector.viewer.scene.step_marks import MARKED, TONE_RGB, StepMark, 
 Columns = Literal["survey", "paper"]
 
 COLUMNS: tuple[Columns, ...] = ("survey", "paper")
-_NARROW_TABS = "<style>[data-dock-tab][role=tab]{padding:0 .58em!important}</style>"
-"""So that all tabs of the panel stand on one line."""
 _PAPER_COLUMNS = (
     ("#", "", "Step, from bottom to top"),
     ("h", "mm", "Height from this centroid to the next: (c_k+1 - c_k) · u"),
@@ -180,8 +190,7 @@ def state_html(
         if error is not None:
             words = "Shown dimmed: the last good result, with the settings named below it."
             lines.append(f'<div style="color:{DIM}">{words}</div>')
-        # Not part of any element's style: the table itself need not be sent again to be dimmed.
-        lines.append("<style>.si-results{opacity:.45}</style>")
+        lines.append(DIMMED_RESULTS)
     style = "font-size:12px;line-height:1.4;padding:2px 9px 7px"
     return f'<div data-testid="status" style="{style}">{"".join(lines)}</div>'
 
@@ -225,7 +234,7 @@ def header_html(name: str, n_used: int | None, n_shown: int | None) -> str:
     return (
         '<div data-testid="scan" style="padding:2px 9px;overflow-wrap:anywhere">'
         f'<b style="font-size:14px">{text(name)}</b>'
-        f'<span style="font-size:12px;color:{DIM}">{" · " if size else ""}{size}</span>{_NARROW_TABS}</div>'
+        f'<span style="font-size:12px;color:{DIM}">{" · " if size else ""}{size}</span>{NARROW_TABS}</div>'
     )
 
 
@@ -251,9 +260,9 @@ def _progress_html(percent: float | None) -> str:
 
 
 def _cancel_html(control_uuid: str) -> str:
-    script = text(set_script(control_uuid, True))
     return (
-        f'<button type="button" title="Stop; the last good result stays" onclick="{script}" '
+        f'<button type="button" title="Stop; the last good result stays" '
+        f"{press_attribute(set_script(control_uuid, True))} "
         f'style="border:1px solid {LINE};border-radius:4px;background:none;color:inherit;font:inherit;padding:0 8px;'
         'cursor:pointer">Cancel</button>'
     )
@@ -281,7 +290,7 @@ def _notes_link(inspection: Inspection) -> str:
     )
     return (
         ' · <button type="button" data-testid="notes-link" title="Go to the notes, below" '
-        """onclick="document.querySelector('[data-testid=notes]').scrollIntoView({block:'center'})" """
+        f"{scroll_attribute('notes')} "
         f'style="border:0;background:none;cursor:pointer;font:inherit;padding:0 4px;border-radius:3px;{style}">'
         f"{'▲ ' if n_look else ''}{words}</button>"
     )

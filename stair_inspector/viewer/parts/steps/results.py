@@ -9,6 +9,7 @@ from stair_inspector.pictures.display import REJECTED_COLOR
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.segmentation import MOST_REJECTED, SURFACE, ground_of, lift_of, points_of
 from stair_inspector.units import read_unit
+from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.bridge.markup import FLIGHT
 from stair_inspector.viewer.parts.desk import Desk, Shown
 from stair_inspector.viewer.parts.panel import Panel
@@ -122,12 +123,12 @@ class Results:
     def show_histogram(self) -> None:
         """Show the heights with the clusters' bands."""
         self._panel.tune.histogram.content = histogram.histogram_html(
-            self._desk.inspection, self._desk.palette, self._panel.picked._impl.uuid
+            self._desk.inspection, self._desk.palette, uuid_of(self._panel.picked)
         )
 
     def show_details(self) -> None:
         """Show what was found about the scan, the notes, the settings that were used and the times."""
-        inspection, uuid = self._desk.marked, self._panel.picked._impl.uuid
+        inspection, uuid = self._desk.marked, uuid_of(self._panel.picked)
         self._panel.examination.content = headline_html(inspection, uuid)
         self._panel.scan.examination.content = examination_html(inspection, uuid)
         self._panel.details.content = html.details_html(inspection)
@@ -151,7 +152,7 @@ class Results:
             return
         inspection = shown.inspection
         step = step_of(inspection, desk.selected)
-        uuid = panel.picked._impl.uuid
+        uuid = uuid_of(panel.picked)
         columns = html.columns_of(inspection, self._columns)
         is_survey = inspection.params.method == "survey"
         panel.show_survey_controls(is_survey)

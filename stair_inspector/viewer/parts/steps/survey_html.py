@@ -20,7 +20,18 @@ from stair_inspector.units import (
     u_text,
     uncertainty_text,
 )
-from stair_inspector.viewer.bridge.markup import DIM, FLIGHT, LINE, chip, mm, pick_script, row_start, table_head, text
+from stair_inspector.viewer.bridge.markup import (
+    DIM,
+    FLIGHT,
+    LINE,
+    chip,
+    mm,
+    pick_script,
+    press_attribute,
+    row_start,
+    table_head,
+    text,
+)
 from stair_inspector.viewer.scene.step_marks import StepMark, mark_html
 
 NOT_OBSERVED = "not defined for this step, or not observed"
@@ -209,11 +220,11 @@ def _flight_row(flight: Flight, unit: Unit, pick_uuid: str | None, *, is_folded:
     hint = "; ".join(part for part in (*means, width) if part)
     fold = ""
     if pick_uuid is not None:
-        script = text(pick_script(pick_uuid, flight.flight_id, FLIGHT))
+        press = press_attribute(pick_script(pick_uuid, flight.flight_id, FLIGHT))
         words = f"{'unfold' if is_folded else 'fold'} flight {flight.flight_id}"
         fold = (
             f'<button type="button" data-testid="fold" aria-expanded="{"false" if is_folded else "true"}" '
-            f'aria-label="{words}" title="{words}" onclick="{script}" style="border:0;background:none;'
+            f'aria-label="{words}" title="{words}" {press} style="border:0;background:none;'
             f'padding:0 4px 0 0;cursor:pointer;color:inherit;font-size:11px">{"▸" if is_folded else "▾"}</button>'
         )
     return _headline_row(flight_text(flight), rise, hint, flight.flight_id, fold)

@@ -1,0 +1,28 @@
+"""Styles of the page that viser has no setting for, found by the names that its client gives to what it draws."""
+
+NARROW_TABS = "<style>[data-dock-tab][role=tab]{padding:0 .58em!important}</style>"
+"""So that all tabs of the panel stand on one line."""
+CLEAR_OF_THE_SCROLLBAR = (
+    "<style>.mantine-ScrollArea-viewport:has([data-testid=scan])>*{box-sizing:border-box;padding-right:8px}</style>"
+)
+"""viser draws it over the right end of the controls."""
+RESULTS = "si-results"
+"""Class of what belongs to the result that is shown."""
+DIMMED_RESULTS = f"<style>.{RESULTS}{{opacity:.45}}</style>"
+"""Not part of any element's own style: what is dimmed need not be sent again."""
+
+
+def wide_window(testid: str, width_px: int) -> str:
+    """Return the style that makes a window wide: viser's own are as wide as a message.
+
+    Parameters
+    ----------
+    testid : str
+        ``data-testid`` of what the window holds.
+    width_px : int
+        Pixels; on a smaller page nearly all of its width.
+    """
+    return (
+        f"<style>.mantine-Modal-content:has([data-testid={testid}])"
+        f"{{flex:0 0 min({width_px}px,96vw)!important;max-width:96vw!important}}</style>"
+    )
