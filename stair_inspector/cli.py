@@ -21,7 +21,8 @@ from stair_inspector import __version__
 from stair_inspector.codes.findings import Decision
 from stair_inspector.errors import CannotMeasure, ConfigError, ReadError, StairError, WriteError
 from stair_inspector.files.settings import find_preset, list_presets
-from stair_inspector.params import NAMED_UP, Params
+from stair_inspector.overrules import NAMED_UP
+from stair_inspector.params import Params
 from stair_inspector.simulate.specs import Scanner, Stair
 
 if TYPE_CHECKING:

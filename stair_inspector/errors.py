@@ -1,4 +1,12 @@
-"""The few errors a user can cause. The command line and the page show their text and nothing else."""
+"""The few errors a user can cause, and how their text repeats what was given.
+
+The command line and the page show the text of an error and nothing else.
+"""
+
+import unicodedata
+
+_LONGEST_SHOWN = 60
+"""Characters of a wrong value that a message repeats: a file may hold megabytes of it."""
 
 
 class StairError(Exception):
@@ -27,3 +35,17 @@ class CannotMeasure(StairError):
 
 class MissingLibrary(StairError):
     """A shared library of the operating system is missing; the text names the package that has it."""
+
+
+def is_one_line(text: str) -> bool:
+    """Return whether a text can stand on one line of a page or a file: without control characters or half letters."""
+    return not any(unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") for letter in text)
+
+
+def brief(value: object) -> str:
+    """Return a wrong value as a message repeats it, its end cut off where it is long."""
+    try:
+        shown = repr(value)
+    except RecursionError:
+        shown = f"a {type(value).__name__} nested too deeply to be shown"
+    return shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}..."

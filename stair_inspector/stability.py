@@ -8,12 +8,12 @@ import numpy as np
 from stair_inspector.errors import StairError
 from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection, Measured, Note, Scan, Step
-from stair_inspector.params import GROUPS, Params, fields_of, knob_of
+from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
 
 CODE = "unsettled"
 """Of the note on a step that names a value which moves."""
-SETTINGS = ("horizontal.theta_deg", "levels.eps_m", "levels.min_points")
+MOVED = ("horizontal.theta_deg", "levels.eps_m", "levels.min_points")
 """Settings of the segmentation whose notches cost no new normals."""
 _QUANTITIES = {
     "rise_m": "rise",
@@ -83,16 +83,15 @@ def words_about(inspection: Inspection, step_id: int, quantity: str) -> str:
 
 def _notches(params: Params) -> Iterator[tuple[Params, str]]:
     """Yield the settings one notch of a slider to each side, and what was changed, in words."""
-    for name in SETTINGS:
-        knob = knob_of(name)
-        group, _, field_name = name.rpartition(".")
-        kind = fields_of(GROUPS[group])[field_name][0]
+    for name in MOVED:
+        knob = SETTINGS.knob(name)
+        kind = SETTINGS[name].kind
         for sign in (-1, 1):
             value = kind(round(params.value(name) + sign * knob.step, 9))
             if knob.low <= value <= knob.high:
                 yield (
                     params.replaced(name, value),
-                    f"{knob.symbol} is {knob.shown(value):g} {knob.display_unit}".strip(),
+                    f"{knob.symbol} is {knob.words(value)}",
                 )
 
 

@@ -11,6 +11,8 @@ PACKAGE = ROOT / "stair_inspector"
 ROOMS = (
     ("errors", "priors"),
     ("geometry",),
+    ("declarations",),
+    ("overrules",),
     ("params",),
     ("model",),
     ("units",),
@@ -32,6 +34,8 @@ CORE = {
     "errors",
     "priors",
     "geometry",
+    "declarations",
+    "overrules",
     "params",
     "model",
     "units",

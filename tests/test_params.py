@@ -9,27 +9,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import (
-    GROUPS,
-    METRES_PER_UNIT,
-    NAMED_UP,
-    FlightsParams,
-    Params,
-    fields_of,
-    help_of,
-    knob_of,
-    parse_up,
-)
+from stair_inspector.overrules import NAMED_UP, parse_up
+from stair_inspector.params import METRES_PER_UNIT, SETTINGS, FlightsParams, Params
 from tests.synthetic import CHANGES
 
-NAMES = [
-    name if name not in GROUPS else f"{name}.{field}"
-    for name in fields_of(Params)
-    for field in (fields_of(GROUPS[name]) if name in GROUPS else [""])
-]
-NUMBERS = [
-    f"{group}.{name}" for group in GROUPS for name, (_, knob) in fields_of(GROUPS[group]).items() if knob is not None
-]
+NAMES = list(SETTINGS)
+NUMBERS = [name for name, declared in SETTINGS.items() if declared.knob is not None]
 
 
 def value_of(params, name):
@@ -40,21 +25,20 @@ def value_of(params, name):
 
 @pytest.mark.parametrize("name", NUMBERS)
 def test_the_help_states_the_range_that_is_enforced(name):
-    low, high = re.search(r"\((\S+) to (\S+)\)", help_of(name)).groups()
-    assert (float(low), float(high)) == (knob_of(name).low, knob_of(name).high)
+    low, high = re.search(r"\((\S+) to (\S+)\)", SETTINGS.setting(name).documentation).groups()
+    assert (float(low), float(high)) == (SETTINGS.knob(name).low, SETTINGS.knob(name).high)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_setting_has_a_sentence_of_help(name):
-    assert re.fullmatch(r"\S.{15,}\.", help_of(name))
+    assert re.fullmatch(r"\S.{15,}\.", SETTINGS.setting(name).documentation)
 
 
 @pytest.mark.parametrize("name", NUMBERS)
 def test_limits_are_inclusive_and_the_default_lies_between(name):
-    knob = knob_of(name)
+    knob = SETTINGS.knob(name)
     assert knob.low <= value_of(Params(), name) <= knob.high
-    group, field = name.split(".")
-    kind = fields_of(GROUPS[group])[field][0]
+    kind = SETTINGS[name].kind
     for limit in (knob.low, knob.high):
         assert value_of(Params().replaced(name, kind(limit)), name) == limit
     beyond = (
@@ -118,17 +102,17 @@ def test_settings_are_values():
 
 @pytest.mark.parametrize("name", NUMBERS)
 def test_what_a_slider_shows_comes_back(name):
-    knob = knob_of(name)
+    knob = SETTINGS.knob(name)
     for share in np.linspace(0.0, 1.0, 23):
         value = round(knob.low + share * (knob.high - knob.low), 6)
         assert knob.stored(knob.shown(value)) == value
     assert knob.stored(knob.shown(value_of(Params(), name))) == value_of(Params(), name)
 
 
-def test_knob_of_a_setting_without_numbers_says_so():
+def test_the_knob_of_a_setting_without_numbers_says_so():
     for name in ("method", "axes.rule", "levels.nothing", "nothing.eps_m", "levels"):
         with pytest.raises(ConfigError, match="not a numeric setting"):
-            knob_of(name)
+            SETTINGS.knob(name)
 
 
 def test_units_are_exact():

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from stair_inspector.params import KNOWN_UNITS, METRES_PER_UNIT, NAMED_UP, FloorParams, NormalsParams, Params
+from stair_inspector.overrules import NAMED_UP
+from stair_inspector.params import KNOWN_UNITS, METRES_PER_UNIT, FloorParams, NormalsParams, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.simulate.scanner import scan as scan_building
 from stair_inspector.simulate.specs import PROFILES, Stair

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Literal, get_args
 
-from stair_inspector.errors import ConfigError
-from stair_inspector.params import is_one_line
+from stair_inspector.errors import ConfigError, is_one_line
 
 Statistic = Literal["each", "flight_range", "adjacent_difference", "flight"]
 Severity = Literal["limit", "advisory", "report_only"]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Observation
-from stair_inspector.params import GROUPS, UNIT_NAMES, Group, Params, fields_of, knob_of
+from stair_inspector.params import SETTINGS, UNIT_NAMES, Params
 
 _FLAG = r"--([a-z][a-z0-9-]*(?:\.[a-z][a-z0-9-]*)?)(?:=|\s+)([^\s;,]+(?:,[^\s;,]+)*)"
 _FLAGS = re.compile(rf"{_FLAG}(?:\s+{_FLAG})*")
@@ -70,10 +70,10 @@ def _advised(found: re.Match[str]) -> str:
 def _called(name: str) -> str:
     """Return what a setting is called where it has a slider or a field."""
     try:
-        knob = knob_of(name)
+        knob = SETTINGS.knob(name)
     except ConfigError:
         return _NAMES.get(name, name)
-    return f"{knob.symbol} ({knob.label})" if knob.symbol else knob.label
+    return f"{knob.symbol} ({knob.title})" if knob.symbol else knob.title
 
 
 def _cure_of(flags: str) -> Cure | None:
@@ -95,11 +95,9 @@ def _change_of(flag: str, value: str) -> tuple[str, object]:
         There is no such setting, or its value is none.
     """
     name = flag.replace("-", "_")
-    group, _, field = name.rpartition(".")
-    known = fields_of(GROUPS.get(group, Group) if group else Params)
-    if field not in known:
+    if name not in SETTINGS:
         raise ConfigError(f"{name}: unknown setting")
-    kind = known[field][0]
+    kind = SETTINGS[name].kind
     return name, kind(value) if kind in (int, float) else value
 
 
@@ -113,8 +111,7 @@ def _setting_words(name: str, value: object) -> str:
     if name == "unit":
         return f"the file is in {UNIT_NAMES.get(str(value), str(value))}"
     try:
-        knob = knob_of(name)
+        words = SETTINGS.knob(name).words(float(str(value)))
     except ConfigError:
-        return f"set {_called(name)} to {value}"
-    unit = f" {knob.display_unit}" if knob.display_unit else ""
-    return f"set {_called(name)} to {knob.shown(float(str(value))):g}{unit}"
+        words = str(value)
+    return f"set {_called(name)} to {words}"

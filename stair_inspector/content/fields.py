@@ -15,9 +15,8 @@ from stair_inspector.content.images import LARGEST_IMAGE_BYTES, Photo, photo_as_
 from stair_inspector.content.readings import FLIGHT_QUANTITIES, STEP_QUANTITIES, TapeReading, parse_reading
 from stair_inspector.content.texts import check_text
 from stair_inspector.content.written import split_unit
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.toml import check_keys, read_toml
-from stair_inspector.params import brief
 
 Paper = Literal["a4", "us-letter"]
 

@@ -31,8 +31,9 @@ from stair_inspector.content.examination import examination_table
 from stair_inspector.content.fields import FIELD_GROUPS, ReportBasis, ReportFields
 from stair_inspector.content.note_words import note_words
 from stair_inspector.content.records import overrule_records
+from stair_inspector.declarations import Knob
 from stair_inspector.model import Inspection, Statistics
-from stair_inspector.params import GROUPS, Knob, Params, fields_of
+from stair_inspector.params import SETTINGS, Params
 from stair_inspector.units import tidy
 
 _TITLE = "Stair survey report"
@@ -379,15 +380,15 @@ def _settings_table(params: Params) -> Table:
     )
     defaults = Params()
     rows: list[tuple[Cell, ...]] = []
-    for name, knob in _all_settings():
-        value, default = params.value(name), defaults.value(name)
-        label = "" if knob is None else f"{knob.label} {knob.symbol}".strip()
+    for name, declared in SETTINGS.items():
+        knob, value, default = declared.knob, params.value(name), defaults.value(name)
+        label = "" if knob is None else f"{knob.title} {knob.symbol}".strip()
         rows.append(
             (
                 name,
                 label,
                 _setting_cell(value, knob),
-                "" if knob is None else knob.display_unit,
+                "" if knob is None else knob.unit.symbol,
                 _setting_cell(default, knob),
                 "" if value == default else "changed",
             )
@@ -396,14 +397,6 @@ def _settings_table(params: Params) -> Table:
         "The numbers of this report are those of these settings: the same scan with the same settings gives them again."
     )
     return Table("settings", "Settings", columns, tuple(rows), note)
-
-
-def _all_settings() -> list[tuple[str, Knob | None]]:
-    single = [(name, knob) for name, (_, knob) in fields_of(Params).items() if name not in GROUPS]
-    grouped = [
-        (f"{group}.{name}", knob) for group, kind in GROUPS.items() for name, (_, knob) in fields_of(kind).items()
-    ]
-    return single + grouped
 
 
 def _setting_cell(value: Any, knob: Knob | None) -> Cell:

@@ -7,9 +7,9 @@ from typing import Literal, get_args
 from stair_inspector.codes.rules import LENGTH_UNITS, parse_written
 from stair_inspector.content.texts import check_text
 from stair_inspector.content.written import split_unit
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.toml import check_keys
-from stair_inspector.params import METRES_PER_UNIT, brief
+from stair_inspector.params import METRES_PER_UNIT
 
 Line = Literal["left", "centre", "right"]
 STEP_QUANTITIES: dict[str, str] = {

@@ -19,7 +19,8 @@ from stair_inspector.model import (
     Statistics,
     Step,
 )
-from stair_inspector.params import Params, parse_force, parse_region, parse_up
+from stair_inspector.overrules import parse_force, parse_region, parse_up
+from stair_inspector.params import Params
 
 SCHEMA = "stair-inspector/inspection-1"
 

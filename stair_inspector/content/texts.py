@@ -3,8 +3,7 @@
 import datetime
 
 from stair_inspector.codes.rules import is_plain_line
-from stair_inspector.errors import ConfigError
-from stair_inspector.params import brief
+from stair_inspector.errors import ConfigError, brief
 
 LONGEST_TEXT = 4000
 """Characters of one field: half a page."""

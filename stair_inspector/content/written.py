@@ -2,9 +2,8 @@
 
 import re
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.typed import split_typed
-from stair_inspector.params import brief
 
 _COMMA = re.compile(r"[+−-]?\s*[0-9]+,[0-9]+")
 

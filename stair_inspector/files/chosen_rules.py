@@ -13,10 +13,9 @@ from typing import Any, get_args
 from stair_inspector.codes import Decision, Limit, Rule, RuleEdit, RuleSet, edited, overlaid
 from stair_inspector.codes.phrases import limit_words
 from stair_inspector.codes.rules import QUANTITIES, Side, check_id
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, brief, is_one_line
 from stair_inspector.files.rule_sets import list_rule_sets, parse_rule_set
 from stair_inspector.files.toml import check_keys
-from stair_inspector.params import brief, is_one_line
 
 _MOST_FILES = 20
 _MOST_OVERLAYS = 20

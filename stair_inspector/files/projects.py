@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from stair_inspector import __version__
-from stair_inspector.errors import ConfigError, ReadError
+from stair_inspector.errors import ConfigError, ReadError, is_one_line
 from stair_inspector.files.atomic import write_atomically
 from stair_inspector.files.chosen_rules import ChosenRules, chosen_from_dict, chosen_to_dict
 from stair_inspector.files.settings import params_from_dict, params_to_dict
 from stair_inspector.files.toml import check_keys
-from stair_inspector.params import Params, is_one_line
+from stair_inspector.params import Params
 
 T = TypeVar("T")
 Point = tuple[float, float, float]

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from stair_inspector.codes.rules import UNITS, Condition, Limit, Rule, RuleSet, is_plain_line
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.toml import check_keys, parse_toml, read_toml_bytes
 from stair_inspector.files.typed import split_typed
-from stair_inspector.params import brief
 
 _SET_KEYS = ("id", "name", "edition", "variant", "source", "overlay", "not_assessed", "rules")
 _RULE_KEYS = tuple("id" if item.name == "rule_id" else item.name for item in fields(Rule))

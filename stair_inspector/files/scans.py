@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stair_inspector.declarations import check_value
 from stair_inspector.errors import ReadError
 from stair_inspector.files.cleaning import (
     check_range,
@@ -25,7 +26,7 @@ from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, shown
 from stair_inspector.files.text_scan import is_text, read_text
 from stair_inspector.geometry.arrays import Colors, Floats, Ints
 from stair_inspector.model import Note, Scan
-from stair_inspector.params import Unit, check_value
+from stair_inspector.params import Unit
 from stair_inspector.stages.units import decide_unit
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".pts", ".csv", ".txt", ".asc")

@@ -1,18 +1,21 @@
 """Settings as TOML and as JSON, and the presets that come with the program."""
 
 import dataclasses
+import inspect
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.declarations import fields_of
+from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.toml import check_keys, parse_toml, read_toml
-from stair_inspector.params import GROUPS, Params, brief, fields_of
+from stair_inspector.params import GROUPS, SETTINGS, Params
 
 DEFAULT_PRESET = "default"
 _OWN_KEYS = ("title", "description")
+_JSON_TYPES: dict[type, str] = {int: "integer", float: "number", str: "string"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +31,27 @@ class Preset:
 def params_to_dict(params: Params) -> dict[str, Any]:
     """Return every setting, grouped by stage, as plain values."""
     return dataclasses.asdict(params)
+
+
+def settings_schema() -> dict[str, Any]:
+    """Return the JSON schema of what :func:`params_to_dict` gives: the ``settings`` of an inspection's JSON."""
+    tables: dict[str, Any] = {name: {} for name in fields_of(Params)}
+    for name, declared in SETTINGS.items():
+        group, _, field_name = name.rpartition(".")
+        kind = declared.kind
+        allowed = {"enum": list(get_args(kind))} if get_origin(kind) is Literal else {"type": _JSON_TYPES[kind]}
+        values = {**allowed, "description": SETTINGS.setting(name).documentation}
+        if group:
+            tables[group][field_name] = values
+        else:
+            tables[name] = values
+    for group, kind in GROUPS.items():
+        tables[group] = {**_object_schema(tables[group]), "description": inspect.getdoc(kind)}
+    return _object_schema(tables)
+
+
+def _object_schema(properties: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "object", "properties": properties, "required": list(properties)}
 
 
 def params_from_dict(values: dict[str, Any], place: str) -> Params:

@@ -10,8 +10,8 @@ from typing import Annotated, Literal
 
 from typing_extensions import Doc
 
+from stair_inspector.declarations import DEGREES, METRES, MM, PERCENT, Group, Knob
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import Group, Knob
 
 Sides = Literal["none", "left", "right", "both"]
 Shape = Literal["straight", "curved", "winder", "spiral"]
@@ -33,38 +33,35 @@ class Stair(Group):
     """A staircase and what stands around it."""
 
     n_risers: Annotated[
-        int, Knob(1, 60, 1, "risers"), Doc("Risers (1 to 60); the last one leads onto the upper landing.")
+        int, Knob("risers", 1, 60, 1).says("Risers {range}; the last one leads onto the upper landing.")
     ] = 10
     rise_m: Annotated[
-        float,
-        Knob(_SMALLEST_RISE_M, 0.4, 0.001, "rise", display_unit="mm", per_display=1000.0),
-        Doc("Rise: vertical, nosing to nosing, metres (0.06 to 0.4)."),
+        float, Knob("rise", _SMALLEST_RISE_M, 0.4, 0.001, MM).says("Rise: vertical, nosing to nosing, {range}.")
     ] = 0.17
     going_m: Annotated[
-        float,
-        Knob(_SMALLEST_GOING_M, 1.5, 0.001, "going", display_unit="mm", per_display=1000.0),
-        Doc("Going: horizontal, nosing to nosing, metres (0.1 to 1.5)."),
+        float, Knob("going", _SMALLEST_GOING_M, 1.5, 0.001, MM).says("Going: horizontal, nosing to nosing, {range}.")
     ] = 0.28
     width_m: Annotated[
-        float,
-        Knob(0.3, 6.0, 0.01, "width", display_unit="mm", per_display=1000.0),
-        Doc("Width between the side edges of the treads, metres (0.3 to 6)."),
+        float, Knob("width", 0.3, 6.0, 0.01, MM).says("Width between the side edges of the treads, {range}.")
     ] = 1.2
     overhang_m: Annotated[
         float,
-        Knob(0.0, 0.08, 0.001, "nosing overhang", display_unit="mm", per_display=1000.0),
-        Doc("How far a nosing projects past the riser below it, metres (0 to 0.08)."),
+        Knob("nosing overhang", 0.0, 0.08, 0.001, MM).says(
+            "How far a nosing projects past the riser below it, {range}."
+        ),
     ] = 0.025
     open_risers: Annotated[bool, Doc("Leave the risers out, so that one sees through between the treads.")] = False
     landing_after: Annotated[
         int,
-        Knob(0, 59, 1, "landing at step"),
-        Doc("Step that is an intermediate landing, counted in risers from the floor (below n_risers); 0 for none."),
+        Knob("landing at step", 0, 59, 1).says(
+            "Step that is an intermediate landing, counted in risers from the floor (below n_risers); 0 for none."
+        ),
     ] = 0
     landing_depth_m: Annotated[
         float,
-        Knob(0.5, 5.0, 0.01, "landing depth", display_unit="mm", per_display=1000.0),
-        Doc("Intermediate landing, from its nosing to the nosing of the next step, metres (0.5 to 5)."),
+        Knob("landing depth", 0.5, 5.0, 0.01, MM).says(
+            "Intermediate landing, from its nosing to the nosing of the next step, {range}."
+        ),
     ] = 1.2
     turn: Annotated[
         Turn,
@@ -76,8 +73,7 @@ class Stair(Group):
     ] = "none"
     well_m: Annotated[
         float,
-        Knob(0.0, 3.0, 0.01, "well", display_unit="mm", per_display=1000.0),
-        Doc("Gap between the two flights of a turn u_left or u_right, metres (0 to 3)."),
+        Knob("well", 0.0, 3.0, 0.01, MM).says("Gap between the two flights of a turn u_left or u_right, {range}."),
     ] = 0.1
     shape: Annotated[
         Shape,
@@ -89,38 +85,38 @@ class Stair(Group):
     ] = "straight"
     winder_after: Annotated[
         int,
-        Knob(0, 56, 1, "winders after step"),
-        Doc("Straight steps below the three wedge treads of a winder (0 to 56)."),
+        Knob("winders after step", 0, 56, 1).says("Straight steps below the three wedge treads of a winder {range}."),
     ] = 3
     spiral_radius_m: Annotated[
         float,
-        Knob(0.03, 1.0, 0.01, "column radius", display_unit="mm", per_display=1000.0),
-        Doc("Radius of a spiral's column, where its treads begin, metres (0.03 to 1)."),
+        Knob("column radius", 0.03, 1.0, 0.01, MM).says(
+            "Radius of a spiral's column, where its treads begin, {range}."
+        ),
     ] = 0.1
     curve_radius_m: Annotated[
         float,
-        Knob(1.0, 100.0, 0.1, "radius of a curve", display_unit="m"),
-        Doc("Radius of a curved stair, of the arc through the middles of its risers, metres (1 to 100)."),
+        Knob("radius of a curve", 1.0, 100.0, 0.1, METRES).says(
+            "Radius of a curved stair, of the arc through the middles of its risers, {range}."
+        ),
     ] = 4.0
     twin_gap_m: Annotated[
         float,
-        Knob(0.0, 3.0, 0.01, "gap to a twin", display_unit="mm", per_display=1000.0),
-        Doc("Gap to a second staircase of the same kind on the left of the first, metres (0 to 3); 0 for none."),
+        Knob("gap to a twin", 0.0, 3.0, 0.01, MM).says(
+            "Gap to a second staircase of the same kind on the left of the first, {range}; 0 for none."
+        ),
     ] = 0.0
     upper_landing_m: Annotated[
         float,
-        Knob(0.3, 5.0, 0.01, "upper landing", display_unit="mm", per_display=1000.0),
-        Doc("Upper landing, from its nosing to its back edge, metres (0.3 to 5)."),
+        Knob("upper landing", 0.3, 5.0, 0.01, MM).says("Upper landing, from its nosing to its back edge, {range}."),
     ] = 1.2
     floor_front_m: Annotated[
-        float,
-        Knob(0.5, 10.0, 0.1, "floor in front", display_unit="m"),
-        Doc("Floor in front of the first riser, metres (0.5 to 10)."),
+        float, Knob("floor in front", 0.5, 10.0, 0.1, METRES).says("Floor in front of the first riser, {range}.")
     ] = 1.8
     floor_width_m: Annotated[
         float,
-        Knob(0.5, 12.0, 0.1, "floor width", display_unit="m"),
-        Doc("Width of the floor, metres (0.5 to 12); walls stand at the sides of the stair all the same."),
+        Knob("floor width", 0.5, 12.0, 0.1, METRES).says(
+            "Width of the floor, {range}; walls stand at the sides of the stair all the same."
+        ),
     ] = 2.0
     floor_all_round: Annotated[
         bool,
@@ -128,17 +124,15 @@ class Stair(Group):
     ] = False
     strip_proud_m: Annotated[
         float,
-        Knob(0.0, 0.01, 0.0005, "strip proud", display_unit="mm", per_display=1000.0),
-        Doc(
-            "How far the nosing strips, 50 mm wide, stand proud of the treads, metres (0 to 0.01). Rises and heights "
-            "are those of the strips; the treads lie this much lower."
+        Knob("strip proud", 0.0, 0.01, 0.0005, MM).says(
+            "How far the nosing strips, 50 mm wide, stand proud of the treads, {range}. Rises and heights are "
+            "those of the strips; the treads lie this much lower."
         ),
     ] = 0.0
     round_nosing_m: Annotated[
         float,
-        Knob(0.0, 0.03, 0.001, "nosing radius", display_unit="mm", per_display=1000.0),
-        Doc(
-            "Radius of the rounded edge of every nosing, metres (0 to 0.03). The true nosing stays where the tread's "
+        Knob("nosing radius", 0.0, 0.03, 0.001, MM).says(
+            "Radius of the rounded edge of every nosing, {range}. The true nosing stays where the tread's "
             "plane meets the upright at the front of it."
         ),
     ] = 0.0
@@ -151,8 +145,7 @@ class Stair(Group):
     ceiling: Annotated[bool, Doc("A level ceiling over everything.")] = False
     headroom_m: Annotated[
         float,
-        Knob(1.9, 5.0, 0.05, "headroom", display_unit="m"),
-        Doc("Ceiling, or top of a wall, above the upper landing, metres (1.9 to 5)."),
+        Knob("headroom", 1.9, 5.0, 0.05, METRES).says("Ceiling, or top of a wall, above the upper landing, {range}."),
     ] = 2.3
     clutter: Annotated[
         bool, Doc("A table and two boxes on the floor, a box on a tread, and a handrail with its posts.")
@@ -180,8 +173,9 @@ class Stair(Group):
     ] = ""
     yaw_deg: Annotated[
         float,
-        Knob(-180.0, 180.0, 1.0, "yaw", display_unit="deg"),
-        Doc("Turn of the whole site about the vertical, degrees (-180 to 180); 0 climbs along +x."),
+        Knob("yaw", -180.0, 180.0, 1.0, DEGREES).says(
+            "Turn of the whole site about the vertical, {range}; 0 climbs along +x."
+        ),
     ] = 0.0
     offset_m: Annotated[
         str, Doc("Where the foot of the stair lies in the output, as x,y,z in metres (691000,5335000,520).")
@@ -278,129 +272,136 @@ class Scanner(Group):
 
     stations: Annotated[
         int,
-        Knob(1, 60, 1, "stations"),
-        Doc("Stations (1 to 60): the first on the floor, the last on the upper landing, the others between them."),
+        Knob("stations", 1, 60, 1).says(
+            "Stations {range}: the first on the floor, the last on the upper landing, the others between them."
+        ),
     ] = 2
     sensor_height_m: Annotated[
         float,
-        Knob(0.1, 3.0, 0.05, "sensor height", display_unit="m"),
-        Doc("Height of the sensor above what it stands on, metres (0.1 to 3)."),
+        Knob("sensor height", 0.1, 3.0, 0.05, METRES).says("Height of the sensor above what it stands on, {range}."),
     ] = 1.7
     standoff_m: Annotated[
         float,
-        Knob(0.3, 9.0, 0.1, "standoff", display_unit="m"),
-        Doc("Distance of the first station from the first riser, metres (0.3 to 9); at most to the floor's edge."),
+        Knob("standoff", 0.3, 9.0, 0.1, METRES).says(
+            "Distance of the first station from the first riser, {range}; at most to the floor's edge."
+        ),
     ] = 1.4
     azimuth_step_deg: Annotated[
-        float, Knob(0.02, 5.0, 0.01, "azimuth step", display_unit="deg"), Doc("Grid step around, degrees (0.02 to 5).")
+        float, Knob("azimuth step", 0.02, 5.0, 0.01, DEGREES).says("Grid step around, {range}.")
     ] = 0.1
     elevation_step_deg: Annotated[
         float,
-        Knob(0.02, 5.0, 0.01, "elevation step", display_unit="deg"),
-        Doc("Grid step up and down, degrees (0.02 to 5); a lidar's rings lie this far apart."),
+        Knob("elevation step", 0.02, 5.0, 0.01, DEGREES).says(
+            "Grid step up and down, {range}; a lidar's rings lie this far apart."
+        ),
     ] = 0.1
     azimuth_width_deg: Annotated[
         float,
-        Knob(10.0, 360.0, 1.0, "field of view", display_unit="deg"),
-        Doc("Field of view around, degrees (10 to 360), centred on the climbing direction."),
+        Knob("field of view", 10.0, 360.0, 1.0, DEGREES).says(
+            "Field of view around, {range}, centred on the climbing direction."
+        ),
     ] = 360.0
     elevation_low_deg: Annotated[
-        float, Knob(-89.0, 80.0, 1.0, "lowest ray", display_unit="deg"), Doc("Lowest ray, degrees (-89 to 80).")
+        float, Knob("lowest ray", -89.0, 80.0, 1.0, DEGREES).says("Lowest ray, {range}.")
     ] = -65.0
     elevation_high_deg: Annotated[
-        float, Knob(-80.0, 89.0, 1.0, "highest ray", display_unit="deg"), Doc("Highest ray, degrees (-80 to 89).")
+        float, Knob("highest ray", -80.0, 89.0, 1.0, DEGREES).says("Highest ray, {range}.")
     ] = 89.0
     range_max_m: Annotated[
-        float,
-        Knob(0.5, 200.0, 0.5, "reach", display_unit="m"),
-        Doc("Longest range that is measured, metres (0.5 to 200)."),
+        float, Knob("reach", 0.5, 200.0, 0.5, METRES).says("Longest range that is measured, {range}.")
     ] = 30.0
     spacing_m: Annotated[
         float,
-        Knob(0.0, 0.1, 0.001, "spacing", display_unit="mm", per_display=1000.0),
-        Doc("Points are thinned to one in each square of this side on a surface, metres (0 to 0.1); 0 keeps all."),
+        Knob("spacing", 0.0, 0.1, 0.001, MM).says(
+            "Points are thinned to one in each square of this side on a surface, {range}; 0 keeps all."
+        ),
     ] = 0.003
     max_points: Annotated[
         int,
-        Knob(100, 20_000_000, 1000, "points at most"),
-        Doc("Largest number of points (100 to 20000000); more are thinned at random."),
+        Knob("points at most", 100, 20_000_000, 1000).says(
+            "Largest number of points {range}; more are thinned at random."
+        ),
     ] = 1_000_000
     noise_m: Annotated[
         float,
-        Knob(0.0, 0.1, 0.001, "range noise", display_unit="mm", per_display=1000.0),
-        Doc("Noise along the ray at square incidence, 1 sigma, metres (0 to 0.1)."),
+        Knob("range noise", 0.0, 0.1, 0.001, MM).says("Noise along the ray at square incidence, 1 sigma, {range}."),
     ] = 0.001
     range_noise_m: Annotated[
         float,
-        Knob(0.0, 0.02, 0.0001, "far noise", display_unit="mm", per_display=1000.0),
-        Doc(
-            "Noise that grows with the square of the range, as of cameras that triangulate: 1 sigma at 1 m, metres (0 "
-            "to 0.02), added in quadrature."
+        Knob("far noise", 0.0, 0.02, 0.0001, MM).says(
+            "Noise that grows with the square of the range, as of cameras that triangulate: 1 sigma at 1 m, "
+            "{range}, added in quadrature."
         ),
     ] = 0.0
     smooth_m: Annotated[
         float,
-        Knob(0.0, 0.05, 0.001, "smoothing", display_unit="mm", per_display=1000.0),
-        Doc(
-            "Radius over which the device smooths its surfaces, metres (0 to 0.05): every point goes to the mean of "
-            "the points of its station within it, which rounds edges. 0 for none."
+        Knob("smoothing", 0.0, 0.05, 0.001, MM).says(
+            "Radius over which the device smooths its surfaces, {range}: every point goes to the mean of the "
+            "points of its station within it, which rounds edges. 0 for none."
         ),
     ] = 0.0
     incidence_gain: Annotated[
         float,
-        Knob(0.0, 2.0, 0.05, "grazing noise"),
-        Doc("Growth of the noise at grazing incidence: 1 + gain * (1 / cos(incidence) - 1), at most tenfold (0 to 2)."),
+        Knob("grazing noise", 0.0, 2.0, 0.05).says(
+            "Growth of the noise at grazing incidence: 1 + gain * (1 / cos(incidence) - 1), at most tenfold {range}."
+        ),
     ] = 0.1
     noise_patch_rays: Annotated[
         int,
-        Knob(1, 25, 1, "noise patch"),
-        Doc("Side of the square of rays over which the noise is correlated (1 to 25); 1 for independent noise."),
+        Knob("noise patch", 1, 25, 1).says(
+            "Side of the square of rays over which the noise is correlated {range}; 1 for independent noise."
+        ),
     ] = 1
     angle_noise_deg: Annotated[
-        float,
-        Knob(0.0, 1.0, 0.005, "angle noise", display_unit="deg"),
-        Doc("Noise of either angle, 1 sigma, degrees (0 to 1)."),
+        float, Knob("angle noise", 0.0, 1.0, 0.005, DEGREES).says("Noise of either angle, 1 sigma, {range}.")
     ] = 0.0
     beam_m: Annotated[
         float,
-        Knob(0.0, 0.2, 0.001, "beam", display_unit="mm", per_display=1000.0),
-        Doc("Diameter of the beam on the surface, metres (0 to 0.2): how near to an edge a ray must be to see both."),
+        Knob("beam", 0.0, 0.2, 0.001, MM).says(
+            "Diameter of the beam on the surface, {range}: how near to an edge a ray must be to see both."
+        ),
     ] = 0.006
     mixed_share: Annotated[
         float,
-        Knob(0.0, 1.0, 0.01, "mixed pixels"),
-        Doc("Share of the rays that straddle an edge and get a range between front and back surface (0 to 1)."),
+        Knob("mixed pixels", 0.0, 1.0, 0.01).says(
+            "Share of the rays that straddle an edge and get a range between front and back surface {range}."
+        ),
     ] = 0.02
     dropout_share: Annotated[
-        float, Knob(0.0, 0.99, 0.01, "dropouts"), Doc("Share of the rays that return nothing (0 to 0.99).")
+        float, Knob("dropouts", 0.0, 0.99, 0.01).says("Share of the rays that return nothing {range}.")
     ] = 0.01
     hole_share: Annotated[
         float,
-        Knob(0.0, 0.9, 0.01, "holes"),
-        Doc("Share of the surfaces that returns nothing to any station, in patches of 5 cm (0 to 0.9)."),
+        Knob("holes", 0.0, 0.9, 0.01).says(
+            "Share of the surfaces that returns nothing to any station, in patches of 5 cm {range}."
+        ),
     ] = 0.0
     registration_m: Annotated[
         float,
-        Knob(0.0, 0.1, 0.001, "registration", display_unit="mm", per_display=1000.0),
-        Doc("Shift of every station but the first, 1 sigma for each axis, metres (0 to 0.1)."),
+        Knob("registration", 0.0, 0.1, 0.001, MM).says(
+            "Shift of every station but the first, 1 sigma for each axis, {range}."
+        ),
     ] = 0.0
     tilt_deg: Annotated[
         float,
-        Knob(0.0, 2.0, 0.01, "station tilt", display_unit="deg"),
-        Doc("Tilt of every station about a random level axis, 1 sigma, degrees (0 to 2)."),
+        Knob("station tilt", 0.0, 2.0, 0.01, DEGREES).says(
+            "Tilt of every station about a random level axis, 1 sigma, {range}."
+        ),
     ] = 0.0
     drift_m_per_m: Annotated[
         float,
-        Knob(0.0, 0.05, 0.001, "drift"),
-        Doc("Drift in one random direction, metres for each metre of way from the first station (0 to 0.05)."),
+        Knob("drift", 0.0, 0.05, 0.001).says(
+            "Drift in one random direction, metres for each metre of way from the first station {range}."
+        ),
     ] = 0.0
     scale_percent: Annotated[
         float,
-        Knob(-5.0, 5.0, 0.1, "scale error", display_unit="%"),
-        Doc("Error of scale of all coordinates about the foot of the stair, percent (-5 to 5)."),
+        Knob("scale error", -5.0, 5.0, 0.1, PERCENT).says(
+            "Error of scale of all coordinates about the foot of the stair, {range}."
+        ),
     ] = 0.0
     seed: Annotated[
-        int, Knob(0, 2**31 - 1, 1, "seed"), Doc("Seed of everything random; the same seed, the same file.")
+        int, Knob("seed", 0, 2**31 - 1, 1).says("Seed of everything random; the same seed, the same file.")
     ] = 1
 
     def __post_init__(self) -> None:

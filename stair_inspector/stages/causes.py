@@ -22,7 +22,7 @@ from stair_inspector.model import (
     Scan,
     Surface,
 )
-from stair_inspector.params import METRES_PER_UNIT, UNIT_NAMES, FlightsParams, Params, knob_of
+from stair_inspector.params import METRES_PER_UNIT, SETTINGS, UNIT_NAMES, FlightsParams, Params
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.examine import POINTS_PER_TREAD, TREAD_M2, examine, size_text
 from stair_inspector.stages.flights import find_chains
@@ -210,7 +210,7 @@ def _left_out_by_limits(scan: Scan, patches: Patches, chains: Chains, forced: Fo
         found = f"at most {_count(chains.longest_risers, 'riser')} in a row, where flights.min_risers asks for more"
         return found, f"set --flights.min-risers {chains.longest_risers}"
     any_rise = replace(
-        flights, min_rise_m=knob_of("flights.min_rise_m").low, max_rise_m=knob_of("flights.max_rise_m").high
+        flights, min_rise_m=SETTINGS.knob("flights.min_rise_m").low, max_rise_m=SETTINGS.knob("flights.max_rise_m").high
     )
     free = find_chains(patches, any_rise, area_m2, forced)
     if free.chains:
@@ -219,8 +219,8 @@ def _left_out_by_limits(scan: Scan, patches: Patches, chains: Chains, forced: Fo
         found = f"{free.longest_risers + 1} of them follow each other, {size_text(_depth(patches.surfaces))} deep"
         return f"{found}, deeper than treads: tiers of seats or terraces", _ADVICE
     for name, wider, least_m2 in (
-        ("flights.max_gap_m", replace(flights, max_gap_m=knob_of("flights.max_gap_m").high), area_m2),
-        ("flights.turn_deg", replace(flights, turn_deg=knob_of("flights.turn_deg").high), area_m2),
+        ("flights.max_gap_m", replace(flights, max_gap_m=SETTINGS.knob("flights.max_gap_m").high), area_m2),
+        ("flights.turn_deg", replace(flights, turn_deg=SETTINGS.knob("flights.turn_deg").high), area_m2),
         ("patches.min_area_m2", flights, _SMALLER * area_m2),
     ):
         free = find_chains(patches, wider, least_m2, forced)

@@ -12,7 +12,8 @@ from stair_inspector.geometry.clusters import cluster_sorted, find_reach
 from stair_inspector.geometry.fits import PlaneFit, find_plane_ransac, fit_plane, spread_rank
 from stair_inspector.geometry.normals import estimate_normals
 from stair_inspector.model import HeightOrder, Normals, Note, Observation, Scan, Up
-from stair_inspector.params import FlightsParams, FloorParams, Method, NormalsParams, parse_region, parse_up
+from stair_inspector.overrules import parse_region, parse_up
+from stair_inspector.params import FlightsParams, FloorParams, Method, NormalsParams
 from stair_inspector.stages.readings import (
     Reading,
     is_same_way,

@@ -13,7 +13,7 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, project
 from stair_inspector.geometry.lattice import Lattice, find_lattices
 from stair_inspector.model import Observation, Scan
-from stair_inspector.params import NAMED_UP
+from stair_inspector.overrules import NAMED_UP
 
 _VOXEL_M = 0.02
 _MOST_POINTS = 30_000

@@ -7,7 +7,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Horizontal, Note, Patches, Scan, Step, Up
-from stair_inspector.params import parse_region
+from stair_inspector.overrules import parse_region
 
 _AT_FACE_M, _AT_FACE_SPACINGS = 0.02, 3.0
 """What lies as near to a face of the region may have been cut off there; of sparse points more spacings are needed."""

@@ -10,7 +10,8 @@ from stair_inspector import priors
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats, Ints, freeze
 from stair_inspector.model import Chains, Horizontal, Patches, Scan, Surface
-from stair_inspector.params import FlightsParams, OverrulesParams, Verdict, parse_force, parse_up
+from stair_inspector.overrules import OverrulesParams, Verdict, parse_force, parse_up
+from stair_inspector.params import FlightsParams
 from stair_inspector.stages.region import find_cut_faces
 
 _LINE_M = 0.02

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from stair_inspector import priors
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.model import HeightOrder, Inspection, Observation
-from stair_inspector.params import Params, knob_of
+from stair_inspector.params import SETTINGS, Params
 from stair_inspector.stages.causes import IF_STEPS
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.levels import find_height_reach, find_levels, select_horizontal
@@ -118,8 +118,4 @@ def _without_limit(message: str) -> str:
 
 
 def _shown(name: str, value: float) -> str:
-    knob = knob_of(name)
-    shown = f"{knob.shown(value):g}"
-    if knob.display_unit:
-        shown += "°" if knob.display_unit == "°" else f" {knob.display_unit}"
-    return shown
+    return SETTINGS.knob(name).words(value).replace(" °", "°")

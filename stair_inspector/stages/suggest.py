@@ -11,7 +11,7 @@ from stair_inspector.errors import CannotMeasure
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 from stair_inspector.model import HeightOrder
-from stair_inspector.params import FlightsParams, Params, knob_of
+from stair_inspector.params import SETTINGS, FlightsParams, Params
 
 _THETA_DEG = (10.0, 30.0)
 """A worn or falling tread leans by some degrees, however clean the scan; beyond, ramps and edges are taken as level."""
@@ -222,7 +222,7 @@ def _find_thickness(z_m: Floats, levels_m: list[float], reach_m: float) -> float
 
 def _on_knob(name: str, value: float) -> float:
     """Return a value on the steps of its knob, rounded up, and within its range."""
-    knob = knob_of(name)
+    knob = SETTINGS.knob(name)
     steps = math.ceil(round(value / knob.step, 6))
     return min(knob.high, max(knob.low, round(steps * knob.step, 9)))
 

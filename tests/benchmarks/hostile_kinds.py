@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stair_inspector.params import METRES_PER_UNIT, NAMED_UP
+from stair_inspector.overrules import NAMED_UP
+from stair_inspector.params import METRES_PER_UNIT
 from stair_inspector.simulate.scanner import SimulatedScan
 from stair_inspector.simulate.scanner import scan as scan_building
 from stair_inspector.simulate.scenes import SCENES

@@ -103,6 +103,21 @@ def test_every_change_can_be_undone_and_redone(page):
     page.await_result("α 95/5 %")
 
 
+def test_a_number_that_is_written_measures_at_once_and_can_be_undone(page):
+    open_folder(page, "Tune", "More settings", row_input(page, "fewest risers"))
+    field = row_input(page, "fewest risers")
+    assert field.input_value() == "2"
+    # More than the stair has: nothing is left of it.
+    field.fill("9")
+    told = page.page.get_by_text("no staircase found")
+    told.first.wait_for()
+    assert "undo: fewest risers 2 to 9" in page.text("changes")
+    button(page, "Undo").click()
+    told.first.wait_for(state="detached")
+    page.await_result("ε_z 20 mm")
+    assert field.input_value() == "2"
+
+
 @pytest.mark.slow
 def test_a_preset_changes_the_settings_and_says_when_they_are_no_longer_its_own(page):
     page.choose("Preset", "Terrestrial laser scanner")

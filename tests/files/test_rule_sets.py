@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stair_inspector.codes.rules import Limit, RuleSet
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.rule_sets import (
     find_rule_set,
@@ -19,7 +19,6 @@ from stair_inspector.files.rule_sets import (
     read_rule_set,
     rule_set_path,
 )
-from stair_inspector.params import brief
 
 RULE = """
 [[rules]]

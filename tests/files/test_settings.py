@@ -4,9 +4,11 @@ import json
 import tomllib
 
 import hypothesis.strategies as st
+import jsonschema
 import pytest
 from hypothesis import given
 
+from stair_inspector.declarations import fields_of
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.settings import (
     Preset,
@@ -17,19 +19,12 @@ from stair_inspector.files.settings import (
     parse_preset,
     preset_bytes,
     read_preset,
+    settings_schema,
 )
-from stair_inspector.params import (
-    GROUPS,
-    Force,
-    OverrulesParams,
-    Params,
-    UncertaintyParams,
-    fields_of,
-    parse_force,
-    parse_region,
-    with_decision,
-)
+from stair_inspector.overrules import Force, OverrulesParams, parse_force, parse_region, with_decision
+from stair_inspector.params import GROUPS, SETTINGS, Params, UncertaintyParams
 from tests.synthetic import CHANGES
+from tests.write_schema import SCHEMA, written
 
 PLACE = "mine.toml"
 
@@ -53,6 +48,24 @@ def test_every_setting_is_among_the_plain_values():
     values = params_to_dict(Params())
     assert list(values) == list(fields_of(Params))
     assert {name: list(values[name]) for name in GROUPS} == {name: list(fields_of(GROUPS[name])) for name in GROUPS}
+
+
+def test_the_schema_names_the_settings_as_they_are_declared():
+    assert SCHEMA.read_text(encoding="utf-8") == written(), "run: python -m tests.write_schema"
+
+
+def test_the_schema_takes_every_setting_and_no_other_type():
+    validator = jsonschema.Draft202012Validator(settings_schema())
+    changed = Params()
+    for name, value in CHANGES.items():
+        changed = changed.replaced(name, value)
+    for params in (Params(), changed):
+        validator.validate(params_to_dict(params))
+    for name in SETTINGS:
+        group, _, field = name.rpartition(".")
+        values = params_to_dict(Params())
+        (values[group] if group else values)[field] = None
+        assert not validator.is_valid(values), name
 
 
 def test_what_is_not_named_keeps_its_default():

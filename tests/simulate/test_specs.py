@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
+from stair_inspector.declarations import fields_of
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import fields_of
 from stair_inspector.simulate.samples import DEFAULT_SAMPLE, SAMPLES
 from stair_inspector.simulate.specs import PROFILES, Scanner, Stair, parse_errors, parse_offset, parse_steps
 
@@ -147,8 +147,9 @@ def test_errors_of_steps_are_read():
 
 @pytest.mark.parametrize("group", [Stair, Scanner])
 def test_every_number_has_a_knob_that_holds_its_default(group):
-    for name, (kind, knob) in fields_of(group).items():
-        if kind in (int, float):
+    for name, declared in fields_of(group).items():
+        knob = declared.knob
+        if declared.kind in (int, float):
             assert knob is not None, name
             assert knob.low <= getattr(group(), name) <= knob.high, name
 

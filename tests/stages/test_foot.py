@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stair_inspector.params import OverrulesParams
+from stair_inspector.overrules import OverrulesParams
 from stair_inspector.pipeline import inspect
 from tests.synthetic import Stair, exact_params, make_scan
 

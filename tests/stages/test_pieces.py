@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stair_inspector.params import OverrulesParams, Params
+from stair_inspector.overrules import OverrulesParams
+from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.simulate.scanner import scan as scan_building
 from tests.benchmarks import hostile_buildings as buildings

@@ -8,7 +8,8 @@ import pytest
 
 from stair_inspector.geometry.lattice import find_lattices
 from stair_inspector.model import Normals
-from stair_inspector.params import FloorParams, NormalsParams, Params, parse_up
+from stair_inspector.overrules import parse_up
+from stair_inspector.params import FloorParams, NormalsParams, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.stages import readings
 from stair_inspector.stages.orient import find_normals, find_up

@@ -8,7 +8,8 @@ import pytest
 from stair_inspector import priors
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Chains, Horizontal, Up
-from stair_inspector.params import FlightsParams, OverrulesParams, PatchesParams
+from stair_inspector.overrules import OverrulesParams
+from stair_inspector.params import FlightsParams, PatchesParams
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.rejects import (
     Forced,

@@ -10,7 +10,7 @@ from stair_inspector.errors import CannotMeasure
 from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.scans import read_scan
 from stair_inspector.memo import Memo
-from stair_inspector.params import FloorParams, Params, knob_of
+from stair_inspector.params import SETTINGS, FloorParams, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.stages import orient
 from stair_inspector.stages.suggest import suggest_settings
@@ -92,7 +92,7 @@ def test_only_the_three_change_and_each_has_its_sentence():
     assert kept == params
     assert tuple(reason.name for reason in seen.reasons) == NAMES
     for reason in seen.reasons:
-        knob = knob_of(reason.name)
+        knob = SETTINGS.knob(reason.name)
         assert seen.params.value(reason.name) == reason.value
         assert knob.low <= reason.value <= knob.high
         assert round(reason.value / knob.step, 6) == round(reason.value / knob.step), "on a step of its slider"

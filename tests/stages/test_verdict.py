@@ -7,7 +7,7 @@ import pytest
 
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import Level, Surfaces, Up
-from stair_inspector.params import OverrulesParams
+from stair_inspector.overrules import OverrulesParams
 from stair_inspector.pipeline import inspect
 from stair_inspector.stages.verdict import why_no_staircase
 from tests.synthetic import Stair, exact_params, make_scan

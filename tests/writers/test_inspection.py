@@ -17,7 +17,7 @@ from stair_inspector.files.palettes import read_palette
 from stair_inspector.files.paths import static_configs
 from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import Flight, Inspection, Measured, Patch, Statistics
-from stair_inspector.params import OverrulesParams
+from stair_inspector.overrules import OverrulesParams
 from stair_inspector.pipeline import inspect
 from stair_inspector.writers import exports
 from stair_inspector.writers.csv import CSV_COLUMNS, csv_bytes

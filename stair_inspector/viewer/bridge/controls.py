@@ -2,60 +2,22 @@
 
 import math
 from collections.abc import Callable
-from typing import Any, get_args
+from itertools import groupby
+from typing import Any, Literal, get_args, get_origin
 
 import viser
 
+from stair_inspector.declarations import Place
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import (
-    GROUPS,
-    NAMED_UP,
-    AxesRule,
-    EdgeSource,
-    Knob,
-    Method,
-    NormalsSource,
-    Params,
-    Unit,
-    Verdict,
-    fields_of,
-    help_of,
-    knob_of,
-    with_decision,
-)
+from stair_inspector.overrules import NAMED_UP, Verdict, with_decision
+from stair_inspector.params import GROUPS, SETTINGS, Params
+from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.notices import from_page
 
-MAIN_SLIDERS = (
-    "horizontal.theta_deg",
-    "levels.eps_m",
-    "levels.min_points",
-    "edges.front_percentile",
-    "edges.back_percentile",
-    "edges.side_percentile",
-    "normals.k",
-)
-SURVEY_SLIDERS = (
-    "patches.cell_m",
-    "flights.max_gap_m",
-    "flights.turn_deg",
-    "survey.line_percent",
-    "survey.band_m",
-    "uncertainty.registration_m",
-    "uncertainty.up_deg",
-    "uncertainty.scale_percent",
-)
-SLIDERS = MAIN_SLIDERS + SURVEY_SLIDERS
-"""Settings that have a slider, in the order of the page."""
-TEXTS = {"overrules.force": "Surfaces", "overrules.climb": "Climb"}
-"""Settings that are written as text, with their labels."""
-CHOICES: dict[str, tuple[str, tuple[str, ...]]] = {
-    "method": ("Method", get_args(Method)),
-    "axes.rule": ("Axes rule", get_args(AxesRule)),
-    "survey.edge_source": ("Edges from", get_args(EdgeSource)),
-    "normals.source": ("Normals", get_args(NormalsSource)),
-    "unit": ("Unit of the file", get_args(Unit)),
-}
-"""Settings that are chosen from a menu: label and options."""
+CHOICES = tuple(name for name, declared in SETTINGS.items() if get_origin(declared.kind) is Literal)
+"""Settings that are chosen from a menu."""
+SLIDER_PLACES: tuple[Place, ...] = ("tune", "survey")
+"""Where a number has a slider; elsewhere it is a field to write in."""
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 OWN_UP = "vector"
 _LONGEST_TEXT = 20_000
@@ -89,43 +51,71 @@ class SettingControls:
 
     # Making controls, within the container that is open.
 
-    def add_sliders(self, names: tuple[str, ...]) -> None:
-        """Add a slider for each setting."""
-        for name in names:
-            knob = knob_of(name)
-            low, high, step = knob.shown(knob.low), knob.shown(knob.high), knob.shown(knob.step)
-            kind: Any = int if _is_whole(name) else float
-            slider = self._gui.add_slider(
-                label_of(knob),
-                kind(low),
-                kind(high),
-                kind(step),
-                kind(_shown(name, self._base)),
-                hint=f"{help_of(name)} ({name})",
-            )
-            self._watch(name, slider)
+    def add_place(self, place: Place) -> None:
+        """Add the control of every setting that stands at a place, in the order of the page."""
+        for name in SETTINGS.at(place):
+            self.add(name)
+
+    def add_by_stage(self, place: Place) -> None:
+        """Add the controls of a place under a line for each stage, which says what it is about."""
+        for stage, names in groupby(sorted(SETTINGS.at(place), key=list(SETTINGS).index), key=_stage_of):
+            about = (GROUPS[stage].__doc__ or "").partition("\n")[0] if stage else ""
+            self._gui.add_html(f'<div style="font-size:11px;color:{DIM};padding:6px 9px 0">{text(about)}</div>')
+            for name in names:
+                self.add(name)
+
+    def add(self, name: str) -> None:
+        """Add the control of one setting: a slider, a field for a number, a menu, or a field for a text."""
+        if name == "up":
+            self.add_up()
+        elif name in CHOICES:
+            self.add_choice(name)
+        elif SETTINGS[name].knob is None:
+            self.add_text(name)
+        else:
+            self._add_number(name)
+
+    def _add_number(self, name: str) -> None:
+        knob = SETTINGS.knob(name)
+        kind: Any = SETTINGS[name].kind
+        low, high, step = (kind(knob.shown(value)) for value in (knob.low, knob.high, knob.step))
+        value = _shown(name, self._base)
+        hint = f"{knob.hint} ({name})"
+        control: Any
+        if knob.place in SLIDER_PLACES:
+            control = self._gui.add_slider(knob.label, low, high, step, value, hint=hint)
+        else:
+            control = self._gui.add_number(knob.label, value, min=low, max=high, step=step, hint=hint)
+        self._watch(name, control)
 
     def add_choice(self, name: str) -> None:
         """Add a menu for a setting."""
-        label, options = CHOICES[name]
+        declared, setting = SETTINGS[name], SETTINGS.setting(name)
         self._watch(
-            name, self._gui.add_dropdown(label, options, initial_value=self._base.value(name), hint=help_of(name))
+            name,
+            self._gui.add_dropdown(
+                setting.label, get_args(declared.kind), initial_value=self._base.value(name), hint=setting.hint
+            ),
         )
 
     def add_up(self) -> None:
         """Add the menu of up directions and the three numbers of one's own."""
         options = ("auto", *NAMED_UP, OWN_UP)
-        up = self._gui.add_dropdown("Up", options, initial_value=_up_option(self._base.up), hint=help_of("up"))
+        setting = SETTINGS.setting("up")
+        up = self._gui.add_dropdown(setting.label, options, initial_value=_up_option(self._base.up), hint=setting.hint)
         self._watch("up", up)
         self._up_vector = self._gui.add_vector3(
-            "Up vector", _up_vector(self._base.up), step=0.0001, hint=f"Used when Up is '{OWN_UP}'; any length."
+            "Up vector",
+            _up_vector(self._base.up),
+            step=0.0001,
+            hint=f"Used when {setting.label} is '{OWN_UP}'; any length.",
         )
         self._up_vector.on_update(from_page(self._on_settings))
 
     def add_text(self, name: str) -> None:
         """Add a text field; what is written there counts from :meth:`submit_texts`."""
-        value = self._base.value(name)
-        self._controls[name] = self._gui.add_text(TEXTS[name], value, hint=help_of(name))
+        value, setting = self._base.value(name), SETTINGS.setting(name)
+        self._controls[name] = self._gui.add_text(setting.label, value, hint=setting.hint)
         self._submitted[name] = value
 
     # Reading and setting.
@@ -141,9 +131,9 @@ class SettingControls:
         params = self._base
         for name, control in self._controls.items():
             value = control.value
-            if name in SLIDERS:
+            if SETTINGS[name].knob is not None:
                 value = _stored(name, value)
-            elif name in TEXTS:
+            elif name in self._submitted:
                 value = _checked_text(name, self._submitted[name])
             elif name == "up":
                 value = self._read_up(value)
@@ -154,20 +144,20 @@ class SettingControls:
         """Set every control; the server's own changes start no run."""
         self._base = params
         for name, control in self._controls.items():
-            if name in SLIDERS:
+            if SETTINGS[name].knob is not None:
                 control.value = _shown(name, params)
             elif name == "up":
                 control.value = _up_option(params.up)
                 self._up_vector.value = _up_vector(params.up)
-            elif name in TEXTS:
+            elif name in self._submitted:
                 control.value = self._submitted[name] = params.value(name)
             else:
                 control.value = params.value(name)
 
     def submit_texts(self, *names: str) -> None:
         """Let what is written in these text fields count; in all of them without a name."""
-        for name in names or TEXTS:
-            if name in self._controls:
+        for name in names or tuple(self._submitted):
+            if name in self._submitted:
                 self._submitted[name] = self._controls[name].value
 
     def overrule(self, place_m: tuple[float, float, float], kind: Verdict | None, reason: str = "") -> None:
@@ -192,12 +182,6 @@ class SettingControls:
             raise ConfigError("Up vector: give three numbers") from error
 
 
-def label_of(knob: Knob) -> str:
-    """Return a slider's label: the symbol, or the words where there is none, and the unit."""
-    unit = f" [{knob.display_unit}]" if knob.display_unit else ""
-    return (knob.symbol or knob.label) + unit
-
-
 def words_of_change(before: Params, after: Params) -> tuple[str, str]:
     """Return what has changed, for a person, and the names of the changed settings, for telling drags apart.
 
@@ -207,48 +191,22 @@ def words_of_change(before: Params, after: Params) -> tuple[str, str]:
     ('ε_z 20 mm to 30 mm', 'levels.eps_m')
     """
     changes = [
-        (name, before.value(name), after.value(name))
-        for name in setting_names()
-        if before.value(name) != after.value(name)
+        (name, before.value(name), after.value(name)) for name in SETTINGS if before.value(name) != after.value(name)
     ]
     names = ", ".join(name for name, _, _ in changes)
     if len(changes) != 1:
         return f"{len(changes)} settings", names
     name, old, new = changes[0]
-    return f"{title_of_setting(name)} {value_words(name, old)} to {value_words(name, new)}", names
-
-
-def setting_names() -> list[str]:
-    """Return the dotted name of every setting."""
-    names = list(fields_of(Params))
-    names = [name for name in names if name not in GROUPS]
-    return names + [f"{group}.{field}" for group, kind in GROUPS.items() for field in fields_of(kind)]
-
-
-def title_of_setting(name: str) -> str:
-    """Return what a setting is called on the page."""
-    if name in CHOICES:
-        return CHOICES[name][0]
-    if name in TEXTS:
-        return TEXTS[name]
-    if name == "overrules.region":
-        return "Region"
-    try:
-        knob = knob_of(name)
-    except ConfigError:
-        return name
-    return knob.symbol or knob.label
+    return f"{SETTINGS.setting(name).called} {value_words(name, old)} to {value_words(name, new)}", names
 
 
 def value_words(name: str, value: object) -> str:
     """Return a setting's value as the page writes it: ``20 mm``."""
-    try:
-        knob = knob_of(name)
-    except ConfigError:
-        text = str(value)
-        return f"'{text[:24]}…'" if len(text) > 24 else text or "none"
-    unit = f" {knob.display_unit}" if knob.display_unit else ""
-    return f"{knob.shown(float(str(value))):g}{unit}"
+    knob = SETTINGS[name].knob
+    if knob is not None:
+        return knob.words(float(str(value)))
+    written = str(value)
+    return f"'{written[:24]}…'" if len(written) > 24 else written or "none"
 
 
 def _checked_text(name: str, value: object) -> str:
@@ -260,29 +218,27 @@ def _checked_text(name: str, value: object) -> str:
     return value
 
 
-def _is_whole(name: str) -> bool:
-    group, _, field = name.rpartition(".")
-    return fields_of(GROUPS[group])[field][0] is int
+def _stage_of(name: str) -> str:
+    return name.rpartition(".")[0]
 
 
 def _shown(name: str, params: Params) -> Any:
-    shown = knob_of(name).shown(params.value(name))
-    return int(shown) if _is_whole(name) else float(shown)
+    return SETTINGS[name].kind(SETTINGS.knob(name).shown(params.value(name)))
 
 
 def _stored(name: str, shown: object) -> Any:
-    """Return a slider's value in the setting's unit; a page may send anything."""
-    knob = knob_of(name)
+    """Return a control's value in the setting's unit; a page may send anything."""
+    knob = SETTINGS.knob(name)
     # Only a float can be infinite; asking it of a whole number of 400 digits would overflow.
     is_infinite = isinstance(shown, float) and not math.isfinite(shown)
     if isinstance(shown, bool) or not isinstance(shown, (int, float)) or is_infinite:
-        raise ConfigError(f"{label_of(knob)}: got {str(shown)[:40]!r}; give a number")
+        raise ConfigError(f"{knob.label}: got {str(shown)[:40]!r}; give a number")
     if not knob.shown(knob.low) <= shown <= knob.shown(knob.high):
         got = str(shown)[:40] if isinstance(shown, int) else f"{shown:g}"
         raise ConfigError(
-            f"{label_of(knob)}: got {got}; give a value from {knob.shown(knob.low):g} to {knob.shown(knob.high):g}"
+            f"{knob.label}: got {got}; give a value from {knob.shown(knob.low):g} to {knob.shown(knob.high):g}"
         )
-    return shown if _is_whole(name) else knob.stored(float(shown))
+    return shown if SETTINGS[name].kind is int else knob.stored(float(shown))
 
 
 def _up_option(up: str) -> str:

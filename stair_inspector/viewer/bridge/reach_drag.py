@@ -1,11 +1,12 @@
 """Dragging over the height histogram chooses eps_z: while it lasts, the browser itself draws how far the reach goes."""
 
-from stair_inspector.params import Knob, knob_of
+from stair_inspector.declarations import Knob
+from stair_inspector.params import SETTINGS
 from stair_inspector.viewer.bridge.markup import text, write_script
 
 REACH = "reach"
 """Word with which a drag is told to the server, before the reach in millimetres."""
-_KNOB: Knob = knob_of("levels.eps_m")
+_KNOB: Knob = SETTINGS.knob("levels.eps_m")
 _LOWEST, _HIGHEST = _KNOB.shown(_KNOB.low), _KNOB.shown(_KNOB.high)
 _SHORTEST = 3.0
 """A drag over less, in units of the drawing, is a click that was not quite still."""

@@ -10,26 +10,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from stair_inspector.declarations import Knob
 from stair_inspector.errors import StairError
 from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection, Measured, Scan
-from stair_inspector.params import GROUPS, Knob, Params, fields_of, knob_of
+from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
 
-SWEPT_SETTINGS = (
-    "levels.eps_m",
-    "levels.min_points",
-    "horizontal.theta_deg",
-    "edges.front_percentile",
-    "edges.back_percentile",
-    "edges.side_percentile",
-    "normals.k",
-    "patches.cell_m",
-    "patches.min_area_m2",
-    "flights.max_gap_m",
-    "survey.band_m",
-)
-"""Settings whose range can be swept, the most asked for first."""
 SWEPT_QUANTITIES = {
     "n_steps": "Number of steps",
     "n_levels": "Number of levels",
@@ -114,11 +101,10 @@ def sweep(
     ConfigError
         There is no such numeric setting.
     """
-    values = swept_values(knob_of(name), params.value(name))
+    values = swept_values(SETTINGS.knob(name), params.value(name))
     present = float(params.value(name))
     here = values.index(present)
-    group, _, field_name = name.rpartition(".")
-    kind = fields_of(GROUPS[group])[field_name][0]
+    kind = SETTINGS[name].kind
     result = Sweep(name, params, present, (), len(values))
     for value in sorted(values, key=lambda each: abs(values.index(each) - here)):
         if not is_wanted():
@@ -135,7 +121,7 @@ def swept_values(knob: Knob, present: float) -> list[float]:
 
     Examples
     --------
-    >>> swept_values(Knob(0.0, 4.0, 1.0, "n"), 2.5)
+    >>> swept_values(Knob("n", 0.0, 4.0, 1.0), 2.5)
     [0.0, 1.0, 2.0, 2.5, 3.0, 4.0]
     """
     space = np.geomspace if is_log(knob) else np.linspace

@@ -23,7 +23,8 @@ from stair_inspector.files.projects import (
     check_title,
     save_project,
 )
-from stair_inspector.params import OverrulesParams, Params
+from stair_inspector.overrules import OverrulesParams
+from stair_inspector.params import Params
 from stair_inspector.viewer.compute.worker import Settle
 from stair_inspector.viewer.state.history import History
 from stair_inspector.viewer.state.library import Library, state_of

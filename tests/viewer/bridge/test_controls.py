@@ -1,25 +1,27 @@
 """The controls show the settings, give them back, and let nothing else through, whatever a page sends."""
 
 import math
+import re
 from types import SimpleNamespace
+from typing import get_args
 
 import pytest
 import viser
 
+from stair_inspector.declarations import Place
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import Params, knob_of, parse_force, with_decision
+from stair_inspector.overrules import parse_force, with_decision
+from stair_inspector.params import SETTINGS, Params
 from stair_inspector.viewer.bridge.controls import (
-    CHOICES,
-    MAIN_SLIDERS,
-    SLIDERS,
-    SURVEY_SLIDERS,
-    TEXTS,
     SettingControls,
-    label_of,
-    setting_names,
     words_of_change,
 )
 from tests.synthetic import CHANGES
+
+PLACES = tuple(place for place in get_args(Place) if place != "scene")
+NUMBERS = tuple(name for name, declared in SETTINGS.items() if declared.knob is not None)
+WHOLE = tuple(name for name in NUMBERS if SETTINGS[name].kind is int)
+TEXTS = SETTINGS.at("overrules")
 
 
 @pytest.fixture(scope="module")
@@ -33,13 +35,8 @@ def server():
 def panel(server):
     called = []
     controls = SettingControls(server.gui, Params(), lambda: called.append("settings"))
-    controls.add_sliders(MAIN_SLIDERS)
-    controls.add_sliders(SURVEY_SLIDERS)
-    for name in CHOICES:
-        controls.add_choice(name)
-    for name in TEXTS:
-        controls.add_text(name)
-    controls.add_up()
+    for place in PLACES:
+        controls.add_place(place)
     controls.called = called
     yield controls
     server.gui.reset()
@@ -74,21 +71,42 @@ def test_all_settings_at_once_go_there_and_back_whether_they_have_a_control_or_n
     assert panel.read() == wanted
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *("patches.cell_m", "flights.max_gap_m", "flights.turn_deg", "survey.line_percent", "survey.band_m"),
-        *("survey.edge_source", "uncertainty.registration_m", "uncertainty.up_deg", "uncertainty.scale_percent"),
-        *("overrules.force", "overrules.climb"),
-    ],
-)
-def test_the_survey_has_a_control_for(panel, name):
+@pytest.mark.parametrize("name", [name for name in SETTINGS if SETTINGS.setting(name).place != "scene"])
+def test_there_is_a_control_for(panel, name):
     wanted = Params().replaced(name, CHANGES[name])
     panel.load(wanted)
     held = panel._controls[name].value
+    assert panel.read() == wanted
     panel.load(Params())
     assert panel._controls[name].value != held
     assert panel.read() == Params()
+
+
+def test_numbers_that_are_dragged_have_sliders_and_others_are_written(panel):
+    kinds = {name: type(panel._controls[name]).__name__ for name in NUMBERS}
+    dragged = {name for name in NUMBERS if SETTINGS.setting(name).place in ("tune", "survey")}
+    assert {name for name, kind in kinds.items() if kind == "GuiSliderHandle"} == dragged
+    assert {name for name, kind in kinds.items() if kind == "GuiNumberHandle"} == set(NUMBERS) - dragged
+    assert len(set(NUMBERS) - dragged) == 9
+
+
+def test_what_a_control_says_is_in_its_own_unit(panel):
+    hint = panel._controls["levels.eps_m"].hint
+    assert hint.startswith("eps_z: vertical reach of DBSCAN, mm (1 to 100).")
+    assert hint.endswith("(levels.eps_m)")
+    assert panel._controls["flights.min_rise_m"].hint.startswith("Smallest rise between two steps, mm (30 to 200).")
+
+
+def test_settings_of_a_folder_stand_under_what_their_stage_is_about(server):
+    said = []
+    gui = SimpleNamespace(
+        add_html=lambda content: said.append(re.sub("<.*?>", "", content)),
+        add_number=lambda label, *_, **__: said.append(label) or SimpleNamespace(on_update=lambda _: None),
+    )
+    SettingControls(gui, Params(), list).add_by_stage("more")
+    flights = said.index("How surfaces chain into flights (survey).")
+    assert said[flights + 1 : flights + 4] == ["smallest rise [mm]", "largest rise [mm]", "fewest risers"]
+    assert "\n".join(said).count(".") == 5
 
 
 def test_two_controls_never_have_the_same_label(panel, server):
@@ -96,10 +114,13 @@ def test_two_controls_never_have_the_same_label(panel, server):
     assert len(set(labels)) == len(labels)
 
 
-def test_settings_without_a_control_are_kept(panel):
+def test_settings_without_a_control_are_kept(server):
+    bare = SettingControls(server.gui, Params(), list)
+    bare.add_place("tune")
     wanted = Params().replaced("floor.distance_m", 0.03).replaced("display.nearest_k", 7)
-    panel.load(wanted)
-    assert panel.read() == wanted
+    bare.load(wanted)
+    assert bare.read() == wanted
+    server.gui.reset()
 
 
 def test_an_up_vector_of_ones_own_goes_there_and_back(panel):
@@ -122,7 +143,7 @@ def test_what_the_server_sets_starts_no_run(panel):
         ({}, "0 settings", ""),
         ({"levels.eps_m": 0.03}, "ε_z 20 mm to 30 mm", "levels.eps_m"),
         ({"method": "paper"}, "Method survey to paper", "method"),
-        ({"up": "x"}, "up auto to x", "up"),
+        ({"up": "x"}, "Up auto to x", "up"),
         ({"overrules.force": "level:3=rejected"}, "Surfaces none to level:3=rejected", "overrules.force"),
         ({"levels.eps_m": 0.03, "up": "x"}, "2 settings", "up, levels.eps_m"),
     ],
@@ -135,25 +156,25 @@ def test_a_change_is_told_in_the_pages_words(changes, words, key):
 
 
 def test_every_setting_has_a_name_that_can_be_replaced():
-    for name in setting_names():
+    for name in SETTINGS:
         assert words_of_change(Params(), Params().replaced(name, CHANGES[name]))[1] == name
 
 
-@pytest.mark.parametrize("name", SLIDERS)
+@pytest.mark.parametrize("name", NUMBERS)
 @pytest.mark.parametrize("value", [-1e9, 1e9, math.nan, math.inf, -math.inf, "12", True, None, [1], 10**400])
 def test_a_slider_lets_nothing_through_but_numbers_in_its_range(panel, name, value):
     hold(panel, name, value)
     with pytest.raises(ConfigError) as error:
         panel.read()
-    assert str(error.value).startswith(label_of(knob_of(name)))
+    assert str(error.value).startswith(SETTINGS.knob(name).label)
     assert len(str(error.value)) < 200
 
 
-@pytest.mark.parametrize("name", SLIDERS)
+@pytest.mark.parametrize("name", NUMBERS)
 def test_the_ends_of_a_slider_are_allowed_and_a_step_beyond_is_not(panel, name):
-    knob = knob_of(name)
+    knob = SETTINGS.knob(name)
     for end, step in ((knob.shown(knob.low), -knob.shown(knob.step)), (knob.shown(knob.high), knob.shown(knob.step))):
-        whole = name in ("levels.min_points", "normals.k")
+        whole = name in WHOLE
         hold(panel, name, int(end) if whole else end)
         panel.read()
         hold(panel, name, int(end + step) if whole else end + step)
@@ -161,9 +182,9 @@ def test_the_ends_of_a_slider_are_allowed_and_a_step_beyond_is_not(panel, name):
             panel.read()
 
 
-@pytest.mark.parametrize("name", ["levels.min_points", "normals.k"])
+@pytest.mark.parametrize("name", WHOLE)
 def test_a_count_is_a_whole_number(panel, name):
-    hold(panel, name, 30.5)
+    hold(panel, name, SETTINGS.knob(name).low + 0.5)
     with pytest.raises(ConfigError, match="whole number"):
         panel.read()
 

@@ -8,11 +8,10 @@ import pytest
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.memo import Memo
-from stair_inspector.params import GROUPS, Params, fields_of, knob_of
+from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.compute.sensitivity import (
     SWEPT_QUANTITIES,
-    SWEPT_SETTINGS,
     Sweep,
     SweepPoint,
     plateau,
@@ -50,23 +49,22 @@ def made(values, present=0.02, name="levels.eps_m", quantity="n_steps", n_wanted
     return Sweep(name, PARAMS, present, points, n_wanted or len(points))
 
 
-@pytest.mark.parametrize("name", SWEPT_SETTINGS)
+@pytest.mark.parametrize("name", SETTINGS.swept())
 def test_every_swept_setting_spans_its_range_and_holds_the_present_value(name):
-    knob, present = knob_of(name), Params().value(name)
+    knob, present = SETTINGS.knob(name), Params().value(name)
     values = swept_values(knob, present)
     assert values == sorted(set(values))
     assert (values[0], values[-1]) == (knob.low, knob.high)
     assert present in values
     assert len(values) >= 15
-    group, _, field = name.partition(".")
-    if fields_of(GROUPS[group])[field][0] is int:
+    if SETTINGS[name].kind is int:
         assert all(value == int(value) for value in values)
 
 
 def test_the_numbers_are_those_of_plain_runs():
     found, _ = eps_sweep()
     assert found.is_complete
-    assert [point.value for point in found.points] == swept_values(knob_of("levels.eps_m"), 0.02)
+    assert [point.value for point in found.points] == swept_values(SETTINGS.knob("levels.eps_m"), 0.02)
     for point in found.points[::5]:
         plain = inspect(SCAN, PARAMS.replaced("levels.eps_m", point.value))
         rises = [step.rise_m.value for step in plain.steps if step.rise_m is not None]
@@ -99,7 +97,7 @@ def test_the_papers_quantities_are_taken_with_the_papers_method():
 
 def test_the_values_beside_the_present_one_come_first_and_each_is_told():
     found, told = eps_sweep()
-    values = swept_values(knob_of("levels.eps_m"), 0.02)
+    values = swept_values(SETTINGS.knob("levels.eps_m"), 0.02)
     here = values.index(0.02)
     assert [point.value for point in told[0].points] == [0.02]
     assert {point.value for point in told[2].points} == set(values[here - 1 : here + 2])

@@ -7,7 +7,7 @@ from typing import Any
 
 import viser
 
-from stair_inspector.params import OverrulesParams
+from stair_inspector.overrules import OverrulesParams
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.parts.panel import Panel
 from stair_inspector.viewer.state.library import Library

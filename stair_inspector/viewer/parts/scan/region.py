@@ -6,7 +6,7 @@ import numpy as np
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.params import parse_region
+from stair_inspector.overrules import parse_region
 from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.parts.desk import Desk, Editor

@@ -3,7 +3,7 @@
 import dataclasses
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import OverrulesParams
+from stair_inspector.overrules import OverrulesParams
 from stair_inspector.viewer.bridge.controls import VERDICTS
 from stair_inspector.viewer.bridge.markup import read_order
 from stair_inspector.viewer.parts.desk import Desk, Editor

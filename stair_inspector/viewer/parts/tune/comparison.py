@@ -12,9 +12,9 @@ import numpy as np
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Ints
 from stair_inspector.model import Inspection, Measured, Statistics, Step
-from stair_inspector.params import Params
+from stair_inspector.params import SETTINGS, Params
 from stair_inspector.units import NOT_KNOWN, Shown, Unit, number_text, signed_text, uncertainty_text
-from stair_inspector.viewer.bridge.controls import setting_names, title_of_setting, value_words
+from stair_inspector.viewer.bridge.controls import value_words
 from stair_inspector.viewer.bridge.markup import DIM, LINE, table_head, text
 
 _LEAST_SHARE = 0.1
@@ -233,7 +233,7 @@ def _worst(statistics: Sequence[Statistics | None]) -> float | None:
 
 
 def _changed(a: Params, b: Params) -> tuple[tuple[str, object, object], ...]:
-    pairs = ((name, a.value(name), b.value(name)) for name in setting_names())
+    pairs = ((name, a.value(name), b.value(name)) for name in SETTINGS)
     return tuple((name, before, after) for name, before, after in pairs if before != after)
 
 
@@ -243,7 +243,7 @@ def _settings_html(comparison: Comparison) -> str:
             f'<div data-testid="compared-settings" style="color:{DIM};padding:2px 0">The settings are the same.</div>'
         )
     rows = "".join(
-        f'<li data-setting="{text(name)}">{text(title_of_setting(name))}: {text(value_words(name, before))} → '
+        f'<li data-setting="{text(name)}">{text(SETTINGS.setting(name).called)}: {text(value_words(name, before))} → '
         f"{text(value_words(name, after))}</li>"
         for name, before, after in comparison.settings
     )

@@ -6,10 +6,10 @@ from typing import Any
 from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.settings import Preset, list_presets, parse_preset, preset_bytes
 from stair_inspector.model import HeightOrder
-from stair_inspector.params import Params
+from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pictures.picture import safe_name
 from stair_inspector.stages.suggest import Suggestion, suggest_settings
-from stair_inspector.viewer.bridge.controls import title_of_setting, value_words
+from stair_inspector.viewer.bridge.controls import value_words
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.compute.jobs import Making
 from stair_inspector.viewer.parts.desk import Desk, Editor
@@ -130,7 +130,7 @@ def _suggestion_html(suggestion: Suggestion | None, why_not: str) -> str:
     if suggestion is None:
         return f'<div data-testid="suggestion" style="{style};color:#e03131">{text(why_not)}</div>'
     rows = "".join(
-        f'<li data-setting="{text(reason.name)}" style="padding:1px 0"><b>{text(title_of_setting(reason.name))} '
+        f'<li data-setting="{text(reason.name)}" style="padding:1px 0"><b>{text(SETTINGS.setting(reason.name).called)} '
         f"{text(value_words(reason.name, reason.value))}</b>: {text(reason.why)}</li>"
         for reason in suggestion.reasons
     )

@@ -12,11 +12,10 @@ from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.projects import KeptRun
 from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection
-from stair_inspector.params import Params
+from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.viewer.bridge.controls import title_of_setting
 from stair_inspector.viewer.bridge.markup import DIM, text
-from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES, SWEPT_SETTINGS, Sweep, sweep
+from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES, Sweep, sweep
 from stair_inspector.viewer.compute.worker import Cancelled, Newest, Workshop
 from stair_inspector.viewer.parts.desk import Desk, Editor, Shown
 from stair_inspector.viewer.parts.panel import Panel
@@ -349,7 +348,7 @@ class Comparing:
 
 def sweep_titles() -> dict[str, str]:
     """Return the settings that can be swept, by dotted name, with their titles on the page."""
-    return {name: title_of_setting(name) for name in SWEPT_SETTINGS}
+    return {name: SETTINGS.setting(name).called for name in SETTINGS.swept()}
 
 
 def _next_name(taken: list[str]) -> str:

@@ -6,9 +6,10 @@ Wired by ``tab.sweep.content = sweep_html(found, "n_steps", unit)`` at every cal
 import math
 from dataclasses import dataclass
 
-from stair_inspector.params import Knob, knob_of
+from stair_inspector.declarations import Knob
+from stair_inspector.params import SETTINGS
 from stair_inspector.units import M_PER_INCH, NOT_KNOWN, Unit, length_text, round_ticks
-from stair_inspector.viewer.bridge.controls import title_of_setting, value_words
+from stair_inspector.viewer.bridge.controls import value_words
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.compute.sensitivity import PLATEAU_M, SWEPT_QUANTITIES, Sweep, is_log, plateau
 
@@ -30,7 +31,7 @@ def sweep_html(found: Sweep, quantity: str, unit: Unit = "mm") -> str:
     unit : str
         For lengths.
     """
-    title = f"{SWEPT_QUANTITIES[quantity]} against {title_of_setting(found.name)}"
+    title = f"{SWEPT_QUANTITIES[quantity]} against {SETTINGS.setting(found.name).called}"
     return (
         f'<div data-testid="sweep" data-complete="{str(found.is_complete).lower()}" style="font-size:12px;'
         f'line-height:1.4;padding:2px 9px 6px"><div style="font-weight:600">{text(title)}</div>'
@@ -89,7 +90,7 @@ class _Frame:
 
 
 def _svg(found: Sweep, quantity: str, unit: Unit, title: str) -> str:
-    knob = knob_of(found.name)
+    knob = SETTINGS.knob(found.name)
     per_unit = (1000.0 if unit == "mm" else 1.0 / M_PER_INCH) if quantity.endswith("_m") else 1.0
     known = [(p.value, v * per_unit) for p in found.points if (v := p.quantities.get(quantity)) is not None]
     numbers = [number for _, number in known] or [0.0, 1.0]
@@ -131,8 +132,7 @@ def _axes(frame: _Frame, knob: Knob, quantity: str, unit: Unit) -> str:
             parts.append(
                 f'<text x="{_LEFT - 5}" y="{y + 3.5:.1f}" text-anchor="end" {_TEXT}>{number:.{digits}f}</text>'
             )
-    name = (knob.symbol or knob.label) + (f" [{knob.display_unit}]" if knob.display_unit else "")
-    parts.append(f'<text x="{right}" y="{_HEIGHT - 4}" text-anchor="end" {_TEXT}>{text(name)}</text>')
+    parts.append(f'<text x="{right}" y="{_HEIGHT - 4}" text-anchor="end" {_TEXT}>{text(knob.label)}</text>')
     if quantity.endswith("_m"):
         parts.append(f'<text x="4" y="{_TOP + 8}" {_TEXT}>{unit}</text>')
     return "".join(parts)

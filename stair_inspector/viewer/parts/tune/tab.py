@@ -6,7 +6,7 @@ from typing import Any
 
 import viser
 
-from stair_inspector.viewer.bridge.controls import MAIN_SLIDERS, SURVEY_SLIDERS, SettingControls
+from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.notices import from_page
 from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES
@@ -65,14 +65,15 @@ class TuneTab:
             )
         )
         self.changes = gui.add_html("")
-        controls.add_sliders(MAIN_SLIDERS)
+        controls.add_place("tune")
         self.histogram = gui.add_html("")
-        controls.add_choice("axes.rule")
+        controls.add_place("heights")
         # What a slider does must be seen beside it.
         self.table = Table(gui, steps)
         with gui.add_folder("Survey", expand_by_default=False):
-            controls.add_sliders(SURVEY_SLIDERS)
-            controls.add_choice("survey.edge_source")
+            controls.add_place("survey")
+        with gui.add_folder("More settings", expand_by_default=False):
+            controls.add_by_stage("more")
         self._add_suggestion(gui, actions)
         self._add_runs(gui, actions)
         self._add_sweep(gui, sweeps, actions)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.params import parse_region
+from stair_inspector.overrules import parse_region
 from stair_inspector.viewer.bridge.markup import list_key
 from tests.viewer.wire_page import _CAMERA, OTHER, await_that
 

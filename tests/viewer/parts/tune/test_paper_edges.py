@@ -5,9 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from stair_inspector.params import AxesParams, Params, help_of, knob_of
+from stair_inspector.params import SETTINGS, AxesParams, Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.viewer.bridge.controls import label_of
 from stair_inspector.viewer.parts.tune.paper_edges import PAPER_ONLY, paper_edges_of
 from tests.synthetic import Stair, exact_params
 from tests.viewer.wire_page import await_that
@@ -31,7 +30,7 @@ def slide(page, name, value):
     """Move a slider as a person does."""
     control = page.session.panel.controls._controls[name]
     page._send({"type": "GuiUpdateMessage", "uuid": control._impl.uuid, "updates": {"value": value}})
-    await_that(lambda: page.session.work.params.value(name) == knob_of(name).stored(value), "nothing was set")
+    await_that(lambda: page.session.work.params.value(name) == SETTINGS.knob(name).stored(value), "nothing was set")
     return page.await_result()
 
 
@@ -55,8 +54,8 @@ def test_with_the_papers_method_its_edges_are_drawn_anyway(inspection):
 def test_what_acts_on_the_papers_columns_alone_says_so_in_name_and_help(inspection):
     scan = Stair(n_steps=4, noise=0.001).scan()
     for name in PAPER_ONLY:
-        assert "paper's " in label_of(knob_of(name))
-        assert help_of(name).endswith("Paper's columns only.")
+        assert "paper's " in SETTINGS.knob(name).label
+        assert SETTINGS.setting(name).documentation.endswith("Paper's columns only.")
         moved = inspect(scan, inspection.params.replaced(name, Params().value(name) - 3.0))
         for step, before in zip(moved.steps, inspection.steps, strict=True):
             assert step.paper != before.paper
