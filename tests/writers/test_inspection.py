@@ -19,7 +19,7 @@ from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import Flight, Inspection, Measured, Patch, Statistics
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.pipeline import inspect
-from stair_inspector.writers import exports
+from stair_inspector.writers import inspection as files_of_inspection
 from stair_inspector.writers.csv import CSV_COLUMNS, csv_bytes
 from stair_inspector.writers.debug_ply import debug_ply_bytes
 from stair_inspector.writers.inspection import write_inspection
@@ -773,7 +773,7 @@ def test_nothing_is_written_when_a_result_cannot_be_made(tmp_path, monkeypatch):
     def fail(*_):
         raise MemoryError
 
-    monkeypatch.setattr(exports, "debug_ply_bytes", fail)
+    monkeypatch.setattr(files_of_inspection, "debug_ply_bytes", fail)
     with pytest.raises(MemoryError):
         write_inspection(*case("stair"), tmp_path, "scan")
     assert list(tmp_path.iterdir()) == []
