@@ -1,7 +1,6 @@
 """The command line: the only place that prints and exits. Heavy imports wait until a command needs them."""
 
 import contextlib
-import dataclasses
 import io
 import os
 import re
@@ -29,7 +28,8 @@ if TYPE_CHECKING:
     from stair_inspector.codes import Check, RuleSet
     from stair_inspector.content.fields import ReportBasis
     from stair_inspector.files.projects import Project
-    from stair_inspector.model import Inspection, Measured, Scan
+    from stair_inspector.model import Inspection, Scan
+    from stair_inspector.quantities import PaperQuantity, Quantity
 
 T = TypeVar("T")
 
@@ -744,19 +744,26 @@ def _summary(inspection: "Inspection") -> str:
 
 def _survey_rows(inspection: "Inspection") -> list[str]:
     """Return the survey's values, each with its expanded uncertainty (k = 2), flight by flight."""
-    names = ("rise_mm", "going_mm", "depth_mm", "width_mm", "pitch_deg")
+    from stair_inspector.quantities import IN_TABLE, with_above
+    from stair_inspector.units import measured_text, shown_in, value_and_u
+
+    names = [f"{each.head}_{_ascii_unit(each)}" for each in IN_TABLE]
     lines = ["  " + f"{'step':>13}" + "".join(f"{name:>18}" for name in names) + f"{'coverage':>10}"]
     for flight in inspection.flights:
         risers = f"{flight.n_risers} riser{'' if flight.n_risers == 1 else 's'}"
         radius = flight.radius_m
-        shape = flight.shape if radius is None else f"{flight.shape}, radius {radius.value:.2f} ± {radius.u:.2f} m"
+        shape = flight.shape if radius is None else f"{flight.shape}, radius {measured_text(radius, 'm', 2)}"
         goes_on = "" if flight.goes_on is None else f"; goes on: {flight.goes_on}"
         lines.append(f"  flight {flight.flight_id}: {shape}, {risers}{goes_on}")
-        for step in inspection.steps:
+        for step, above in with_above(inspection.steps):
             if step.flight != flight.flight_id:
                 continue
-            lengths = (step.rise_m, step.going_m, step.tread_depth_m, step.width_m)
-            cells = [_with_u(value, 1000.0, 1) for value in lengths] + [_with_u(step.pitch_deg, 1.0, 2)]
+            cells = [
+                "-"
+                if (measured := each.of(step, above)) is None
+                else " ± ".join(value_and_u(measured, shown_in(each.unit, "mm")))
+                for each in IN_TABLE
+            ]
             coverage = "-" if step.coverage is None else f"{100.0 * step.coverage:.0f} %"
             kind = "" if step.kind == "tread" else f"{step.kind} "
             lines.append(
@@ -765,21 +772,23 @@ def _survey_rows(inspection: "Inspection") -> list[str]:
     return lines
 
 
-def _with_u(measured: "Measured | None", scale: float, digits: int) -> str:
-    if measured is None:
-        return "-"
-    return f"{scale * measured.value:.{digits}f} ± {scale * measured.u:.{digits}f}"
-
-
 def _paper_rows(inspection: "Inspection") -> list[str]:
-    columns = ("step", "points", "h_mm", "d_FB_mm", "d_FF_mm", "W_mm", "theta_deg", "RMS_mm")
+    from stair_inspector.quantities import SHOWN_OF_PAPER
+
+    names = [f"{each.symbol if each.symbol.isascii() else each.name}_{_ascii_unit(each)}" for each in SHOWN_OF_PAPER]
+    columns = ("step", "points", *names, "RMS_mm")
     lines = ["  " + "".join(f"{name:>11}" for name in columns)]
     for step in inspection.steps:
-        values = dataclasses.astuple(step.paper)[:5]
-        lengths = [None if v is None else v * 1000.0 for v in values[:4]]
         rms_mm = None if step.plane.rms_m is None else step.plane.rms_m * 1000.0
         cells = [f"{step.step_id:>11}", f"{step.plane.n_points:>11}"]
-        cells += [f"{'-':>11}" if v is None else f"{v:>11.1f}" for v in (*lengths, values[4])]
+        for each in SHOWN_OF_PAPER:
+            value = each.of_paper(step.paper)
+            cells.append(f"{'-':>11}" if value is None else f"{value * each.display.scale:>11.1f}")
         cells.append(f"{'-':>11}" if rms_mm is None else f"{rms_mm:>11.2f}")
         lines.append("  " + "".join(cells))
     return lines
+
+
+def _ascii_unit(quantity: "Quantity | PaperQuantity") -> str:
+    """Return the unit in which a quantity is shown as a terminal's column has it."""
+    return {"°": "deg", "%": "percent"}.get(quantity.display.unit, quantity.display.unit)

@@ -456,19 +456,6 @@ class Step:
     climb: Floats | None = None
 
 
-SURVEY_VALUES = (
-    "rise_m",
-    "going_m",
-    "tread_depth_m",
-    "width_m",
-    "nosing_overhang_m",
-    "pitch_deg",
-    "fall_deg",
-    "cross_fall_deg",
-)
-"""The fields of :class:`Step` that the survey measures, in the order in which they are shown."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Patch:
     """One surface: the upright points of a height cluster that hang together in plan, and what it was taken for.

@@ -10,21 +10,12 @@ from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection, Measured, Note, Scan, Step
 from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.quantities import IN_FILES, Quantity, quantity_of
 
 CODE = "unsettled"
 """Of the note on a step that names a value which moves."""
 MOVED = ("horizontal.theta_deg", "levels.eps_m", "levels.min_points")
 """Settings of the segmentation whose notches cost no new normals."""
-_QUANTITIES = {
-    "rise_m": "rise",
-    "going_m": "going",
-    "tread_depth_m": "tread depth",
-    "width_m": "width",
-    "nosing_overhang_m": "overhang",
-    "pitch_deg": "pitch",
-    "fall_deg": "fall",
-    "cross_fall_deg": "cross fall",
-}
 _SAME_STEP_M = 0.1
 """Centroids of one step are nearer than this whatever moves; those of two steps are a going apart."""
 
@@ -63,19 +54,19 @@ def mark_unsettled(scan: Scan, params: Params, inspection: Inspection, memo: Mem
             found = None
         for step in inspection.steps:
             other = None if found is None else _same_step(step, found)
-            for name in _QUANTITIES:
-                moved = _moved(getattr(step, name), None if other is None else getattr(other, name))
-                if moved > largest.get((step.step_id, name), (0.0, ""))[0]:
-                    largest[step.step_id, name] = moved, words
+            for quantity in IN_FILES:
+                moved = _moved(quantity.of(step), None if other is None else quantity.of(other))
+                if moved > largest.get((step.step_id, quantity.name), (0.0, ""))[0]:
+                    largest[step.step_id, quantity.name] = moved, words
     notes = [
-        Note(CODE, "stability", _sentence(step_id, name, moved, words), step_id)
+        Note(CODE, "stability", _sentence(step_id, quantity_of(name), moved, words), step_id)
         for (step_id, name), (moved, words) in sorted(largest.items())
     ]
     return dataclasses.replace(inspection, notes=(*inspection.notes, *notes)) if notes else inspection
 
 
-def words_about(inspection: Inspection, step_id: int, quantity: str) -> str:
-    """Return what is said of a value that hangs on the settings, as ``going``; empty of one that does not."""
+def words_about(inspection: Inspection, step_id: int, quantity: Quantity) -> str:
+    """Return what is said of a value that hangs on the settings; empty of one that does not."""
     start = _subject(step_id, quantity)
     told = (note.message for note in inspection.notes if note.code == CODE and note.step == step_id)
     return next((message for message in told if message.startswith(start)), "")
@@ -110,13 +101,13 @@ def _moved(value: Measured | None, other: Measured | None) -> float:
     return moved if moved > value.u else 0.0
 
 
-def _sentence(step_id: int, name: str, moved: float, words: str) -> str:
-    what = f"{_subject(step_id, _QUANTITIES[name])} the settings"
+def _sentence(step_id: int, quantity: Quantity, moved: float, words: str) -> str:
+    what = f"{_subject(step_id, quantity)} the settings"
     if moved == float("inf"):
         return f"{what}: it is not measured where {words}"
-    size = f"{moved * 1000.0:.1f} mm" if name.endswith("_m") else f"{moved:.2f}°"
+    size = f"{moved * 1000.0:.1f} mm" if quantity.unit == "m" else f"{moved:.2f}°"
     return f"{what}: it moves by {size}, more than its u, where {words}"
 
 
-def _subject(step_id: int, quantity: str) -> str:
-    return f"the {quantity} of step {step_id} hangs on"
+def _subject(step_id: int, quantity: Quantity) -> str:
+    return f"the {quantity.label} of step {step_id} hangs on"

@@ -5,41 +5,37 @@ the measurements. An angle is written with the unit ``"°"`` whatever the choice
 """
 
 import math
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Measured
 from stair_inspector.params import METRES_PER_UNIT
+from stair_inspector.quantities import DISPLAYS, QUANTITIES, Display, SiUnit
 
 Unit = Literal["mm", "in"]
-Shown = Literal["mm", "in", "°"]
+Shown = Literal["mm", "in", "m", "°", "%", ""]
+"""Of a length a unit, of another quantity its sign."""
 
 UNITS: tuple[Unit, ...] = ("mm", "in")
 NOT_KNOWN = "–"
 M_PER_INCH = METRES_PER_UNIT["in"]
 _SIXTEENTHS = 16
+_DIFFERENCE_PLACES: dict[Shown, int] = {"in": 3, "mm": 1, "m": 3, "°": 2, "%": 2, "": 0}
 _TIE = 1e-9
 """In sixteenths: a thirty-second that lost its last bit on the way through metres is rounded up as all others."""
 
 
-class Display(NamedTuple):
-    """How a quantity is shown: the factor from SI, the unit's sign, the decimals."""
-
-    scale: float
-    unit: str
-    digits: int
-
-
-_LENGTH = Display(1000.0, "mm", 2)
-_ANGLE = Display(1.0, "°", 2)
-_SLOPE = Display(100.0, "%", 2)
-_COUNT = Display(1.0, "", 0)
-_DISPLAYS = {"pitch": _ANGLE, "tread_slope": _SLOPE, "landing_slope": _SLOPE, "n_risers": _COUNT}
+_BY_QUANTITY = {quantity.name: quantity.display for quantity in QUANTITIES}
 
 
 def display_of(quantity: str) -> Display:
-    """Return how values of a quantity, a key of :data:`rules.QUANTITIES`, are shown."""
-    return _DISPLAYS.get(quantity, _LENGTH)
+    """Return how values of a quantity are shown, by its name; what no scan shows is written as a length."""
+    return _BY_QUANTITY.get(quantity, DISPLAYS["m"])
+
+
+def shown_in(unit: SiUnit, chosen: Unit) -> Shown:
+    """Return how values of an SI unit are written where lengths are written in the chosen one."""
+    return {"m": chosen, "deg": "°", "tangent": "%", "count": ""}[unit]
 
 
 def u_text(u: float) -> str:
@@ -49,11 +45,19 @@ def u_text(u: float) -> str:
     return f"{u:.1f}" if u >= 0.095 else f"{max(u, 0.01):.2f}"
 
 
-def shown(quantity: str, value: float) -> str:
-    """Return a value with its unit: ``170.08 mm``, ``32.40°``, ``2.08 %``, ``9``."""
+def places_of(u: float | None, digits: int) -> int:
+    """Return the decimals of a value: those with which its uncertainty is shown, ``digits`` where it has none."""
+    return len(u_text(u).partition(".")[2]) if u else digits
+
+
+def shown(quantity: str, value: float, u: float | None = None) -> str:
+    """Return a value with its unit, rounded where its uncertainty is: ``170.08 mm``, ``170.1 ± 0.4 mm``, ``9``."""
     scale, unit, digits = display_of(quantity)
     gap = " " if unit not in ("", "°") else ""
-    return f"{scale * value:.{digits}f}{gap}{unit}"
+    if not u:
+        return f"{scale * value:.{digits}f}{gap}{unit}"
+    places = places_of(scale * u, digits)
+    return f"{tidy(scale * value, places):.{places}f} ± {u_text(scale * u)}{gap}{unit}"
 
 
 def read_unit(value: object) -> Unit:
@@ -94,12 +98,18 @@ def length_text(value: float | None, unit: Shown, digits: int = 1) -> str:
     return NOT_KNOWN if value is None else number_text(value, unit, digits) + _suffix(unit)
 
 
+def difference_text(value: float, unit: Shown) -> str:
+    """Return the size of a difference with its unit: ``3.1 mm``, ``1/8 in (0.122)``; most are finer than a fraction."""
+    decimal = f" ({abs(value) / M_PER_INCH:.3f})" if unit == "in" else ""
+    return f"{length_text(value, unit)}{decimal}"
+
+
 def signed_text(value: float, unit: Shown | None) -> str:
     """Return a difference in metres or degrees, or of a count, with its sign and without its unit.
 
     Inches are written as a decimal: most differences are finer than any fraction.
     """
-    places = {None: 0, "in": 3, "mm": 1, "°": 2}[unit]
+    places = 0 if unit is None else _DIFFERENCE_PLACES[unit]
     scaled = value if unit is None else value / M_PER_INCH if unit == "in" else _scaled(value, unit)
     rounded = tidy(scaled, places)
     return f"{'+' if rounded > 0.0 else '−' if rounded < 0.0 else '±'}{abs(rounded):.{places}f}"
@@ -115,17 +125,32 @@ def uncertainty_text(u: float, unit: Shown) -> str:
     return f"{inches:.2f}" if inches >= 0.0995 else f"{max(inches, 0.001):.3f}"
 
 
+def value_and_u(measured: Measured, unit: Shown, digits: int = 1) -> tuple[str, str]:
+    """Return a value and its uncertainty without their unit: the value rounded where its uncertainty is.
+
+    Inches are decimals here. ``digits`` are those of a value whose uncertainty is zero.
+    """
+    u = uncertainty_text(measured.u, unit)
+    if unit == "in":
+        places = len(u.partition(".")[2])
+        return f"{tidy(measured.value / M_PER_INCH, places):.{places}f}", u
+    return number_text(measured.value, unit, places_of(_scaled(measured.u, unit), digits)), u
+
+
 def measured_text(measured: Measured, unit: Shown, digits: int = 1) -> str:
     """Return a value with its uncertainty: ``170.1 ± 0.4 mm``, ``31.2 ± 0.3°``, ``6 11/16 in (6.697 ± 0.016)``.
 
     A sixteenth of an inch is coarser than most uncertainties, which is why the decimal value stands beside it.
     """
-    u = uncertainty_text(measured.u, unit)
+    value, u = value_and_u(measured, unit, digits)
     if unit == "in":
-        places = len(u.partition(".")[2])
-        decimal = tidy(measured.value / M_PER_INCH, places)
-        return f"{fraction_text(measured.value)} in ({decimal:.{places}f} ± {u})"
-    return f"{number_text(measured.value, unit, digits)} ± {u}{_suffix(unit)}"
+        return f"{fraction_text(measured.value)} in ({value} ± {u})"
+    return f"{value} ± {u}{_suffix(unit)}"
+
+
+def is_finer_than_a_fraction(u_m: float) -> bool:
+    """Tell whether an uncertainty is smaller than a sixteenth of an inch, so that a fraction hides something."""
+    return u_m < M_PER_INCH / _SIXTEENTHS
 
 
 def parts_text(measured: Measured, unit: Shown) -> str:
@@ -135,11 +160,11 @@ def parts_text(measured: Measured, unit: Shown) -> str:
 
 
 def _scaled(value: float, unit: Shown) -> float:
-    return value * 1000.0 if unit == "mm" else value
+    return value * 1000.0 if unit == "mm" else value * 100.0 if unit == "%" else value
 
 
 def _suffix(unit: Shown) -> str:
-    return unit if unit == "°" else f" {unit}"
+    return unit if unit in ("", "°") else f" {unit}"
 
 
 def tidy(value: float, digits: int) -> float:

@@ -162,17 +162,20 @@ def test_measure_prints_the_surveys_values_with_their_uncertainties(run, stair_f
     (flight,) = document["flights"]
     assert lines[2] == f"  flight 1: straight, {flight['n_risers']} risers"
 
-    def shown(measured, scale, digits):
+    def shown(measured, scale):
         if measured is None:
             return ["-"]
-        return [f"{scale * measured['value']:.{digits}f}", "±", f"{scale * measured['u']:.{digits}f}"]
+        # Never a zero: u has one digit that means something, two below a tenth; the value as many decimals.
+        u = max(scale * measured["u"], 0.01)
+        digits = 0 if u >= 9.95 else 1 if u >= 0.095 else 2
+        return [f"{scale * measured['value']:.{digits}f}", "±", f"{u:.{digits}f}"]
 
     for line, step in zip(lines[3:8], document["steps"], strict=True):
         expected = ["landing"] if step["kind"] == "landing" else []
         expected.append(str(step["id"]))
         for name in ("rise_m", "going_m", "tread_depth_m", "width_m"):
-            expected += shown(step[name], 1000.0, 1)
-        expected += [*shown(step["pitch_deg"], 1.0, 2), f"{100.0 * step['coverage']:.0f}", "%"]
+            expected += shown(step[name], 1000.0)
+        expected += [*shown(step["pitch_deg"], 1.0), f"{100.0 * step['coverage']:.0f}", "%"]
         assert line.split() == expected
 
 

@@ -17,9 +17,9 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
 from stair_inspector.memo import Memo
-from stair_inspector.model import SURVEY_VALUES
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.quantities import SURVEY_VALUES
 from stair_inspector.simulate.scanner import scan as scan_building
 from stair_inspector.simulate.scenes import SCENES
 from stair_inspector.simulate.specs import PROFILES

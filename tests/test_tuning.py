@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from stair_inspector.memo import Memo
-from stair_inspector.model import SURVEY_VALUES
 from stair_inspector.pipeline import inspect
+from stair_inspector.quantities import SURVEY_VALUES
 from tests.synthetic import Stair, exact_params
 
 STAIR = Stair(n_steps=5, risers=True, noise=0.0015, floor_depth=1.6, spacing=0.008, seed=5)

@@ -3,8 +3,8 @@
 from statistics import median
 
 from stair_inspector.codes.findings import Check, Finding
-from stair_inspector.codes.quantities import step_value
 from stair_inspector.model import Inspection
+from stair_inspector.quantities import step_value
 
 _TIE_M = 1e-6
 """Two steps that are as far from the median but for this are as odd."""

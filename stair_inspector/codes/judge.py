@@ -8,29 +8,20 @@ from typing import get_args
 
 from stair_inspector.codes.findings import FIT_SHARE, Check, Decision, Finding, Fit, Verdict
 from stair_inspector.codes.phrases import limits_text
-from stair_inspector.codes.quantities import difference, spread, step_value, total, usable
-from stair_inspector.codes.rules import LENGTH_UNITS, QUANTITIES, Limit, Rule, RuleSet
+from stair_inspector.codes.rules import LENGTH_UNITS, LIMIT_UNITS, Limit, Rule, RuleSet
 from stair_inspector.errors import ConfigError
+from stair_inspector.measured import difference, spread, total, usable
 from stair_inspector.model import NO_NOSING, Flight, Inspection, Measured, Step
+from stair_inspector.quantities import is_usable_at, quantity_of, step_value
 from stair_inspector.units import shown
 
 _ROUNDING = 1e-9
 """Differences of binary numbers are off by less: a value this near to a limit lies on it, which is inside."""
-_LANDINGS_TOO = ("rise",)
-"""Quantities of treads and landings alike; the others are those of treads, ``landing_slope`` of landings."""
-_OVER_EDGES = ("rise", "going", "two_r_plus_g", "tread_depth", "nosing_overhang")
-"""Quantities that hang on the edges of a step."""
-_CHAINED = ("rise", "going")
-"""Quantities from nosing to nosing, so that neighbours share one."""
 _DIFFERENCES = ("flight_range", "adjacent_difference")
 _SIZE_SHARE = 0.1
 """A size is held against this share of its limit, the smaller of two, and against the room between two where that is
 less. A convention of this program: the room alone, 3 in for a riser of 4 to 7 in, would call any scan good enough."""
-_SIZES = ("rise", "going", "tread_depth", "width", "pitch", "two_r_plus_g", "flight_rise")
-"""Quantities that are intended to be far from zero; of the others, as of every spread, the intended value is zero."""
 _WINDING = "winders and spirals are not judged: codes measure them on a walking line of their own"
-_BY_WALKING_LINE = ("going", "two_r_plus_g", "tread_depth", "pitch")
-"""Quantities whose size, where a flight curves, depends on the line on which they are taken."""
 _CURVED = (
     "of a flight that curves this is known on its middle line, and codes limit it on a walking line of their own: not "
     "judged"
@@ -51,15 +42,6 @@ _TELLING_NOTES = (
     "flights_may_be_two",
 )
 """Codes of the notes on the whole scan that a reader of a check must know."""
-_CAVEATS = {
-    "rise": ("nosing_unobserved",),
-    "going": ("nosing_unobserved",),
-    "two_r_plus_g": ("nosing_unobserved",),
-    "tread_depth": ("nosing_unobserved", "back_hidden"),
-    "nosing_overhang": ("back_hidden",),
-    "width": ("side_unobserved",),
-}
-"""Codes of the notes on a step that say why a value of it is uncertain."""
 _SINGLE = "does not apply: a single step differs from nothing"
 _NO_NEIGHBOURS = "does not apply: no two neighbouring steps to which the clause applies"
 _NO_NUMBER = "its value or its uncertainty is no finite number"
@@ -188,10 +170,7 @@ class _Judge:
 
     def _of_kind(self, rule: Rule, flight: Flight) -> list[Step]:
         """Return the steps that have the rule's quantity by their kind."""
-        if rule.quantity in _LANDINGS_TOO:
-            return self._steps_of(flight)
-        kind = "landing" if rule.quantity == "landing_slope" else "tread"
-        return [step for step in self._steps_of(flight) if step.kind == kind]
+        return [step for step in self._steps_of(flight) if step.kind in quantity_of(rule.quantity).kinds]
 
     def _chosen(self, rule: Rule, flight: Flight) -> list[Step]:
         """Return the steps to which a rule applies, or may apply."""
@@ -212,7 +191,7 @@ class _Judge:
         if self._of_kind(rule, flight) and rule.only_where is not None:
             condition = f"no step has a {rule.only_where.quantity} below {rule.only_where.below.text}"
             return _Place(flight.flight_id, (), None, f"does not apply: {condition}", applies=False)
-        kind = "landing" if rule.quantity == "landing_slope" else "tread"
+        kind = quantity_of(rule.quantity).kinds[0]
         return _Place(flight.flight_id, (), None, f"no {kind} of this flight was seen")
 
     def _of_step(self, rule: Rule, flight: Flight, step: Step) -> _Place:
@@ -220,7 +199,7 @@ class _Judge:
         if measured is None:
             reason = self._why_not(step, flight, rule.quantity)
         else:
-            reason = "; ".join(self._notes_on(step, _CAVEATS.get(rule.quantity, ())))
+            reason = "; ".join(self._notes_on(step, quantity_of(rule.quantity).doubted_by))
         return _Place(
             flight.flight_id, (step.step_id,), measured, reason, is_doubtful=self._applies(rule, step) is None
         )
@@ -230,30 +209,24 @@ class _Judge:
 
     def _why_not(self, step: Step, flight: Flight, quantity: str) -> str:
         """Say why a value is missing: the survey's own note where it left one."""
-        if not _is_usable(step, quantity):
+        if not is_usable_at(step, quantity):
             return f"not measured at step {step.step_id}: {_NO_NUMBER}"
         here, above = step.step_id, step.step_id + 1
         is_last = here == flight.step_ids[-1]
-        codes = {
-            "rise": ((here, "tread_missing"), (here, "rise_unobserved")),
-            "going": ((above, "tread_missing"),),
-            "two_r_plus_g": ((here, "tread_missing"), (here, "rise_unobserved"), (above, "tread_missing")),
-            "tread_depth": ((here, "back_unobserved"),),
-            "nosing_overhang": ((above, "tread_missing"), (here, "back_unobserved")),
-        }.get(quantity, ())
-        for number, code in codes:
-            if is_last and number == above:
+        reach = quantity_of(quantity).reach
+        for further, code in quantity_of(quantity).lost_by:
+            if is_last and further:
                 continue
             for note in self._inspection.notes:
-                if (note.step, note.code) == (number, code):
+                if (note.step, note.code) == (here + further, code):
                     return note.message
         # Of a nosing that was none, its neighbours have nothing either.
-        near = (here, above, here - 1) if quantity in _OVER_EDGES else ()
+        near = () if reach == "tread" else (here, above, here - 1)
         for number in near:
             for note in self._inspection.notes:
                 if note.step == number and note.code in NO_NOSING and number in flight.step_ids:
                     return note.message
-        if is_last and quantity in ("going", "two_r_plus_g", "nosing_overhang"):
+        if is_last and reach in ("to_next", "both"):
             return f"no nosing was seen above step {here}, up to which its going is measured"
         return f"not measured at step {here}"
 
@@ -269,7 +242,7 @@ class _Judge:
                 lost = lower if a is None else upper
                 places.append(_Place(flight.flight_id, pair, None, self._why_not(lost, flight, rule.quantity)))
             else:
-                measured = difference(b, a, rule.quantity in _CHAINED)
+                measured = difference(b, a, quantity_of(rule.quantity).is_chained)
                 is_doubtful = None in (self._applies(rule, lower), self._applies(rule, upper))
                 places.append(_Place(flight.flight_id, pair, measured, is_doubtful=is_doubtful))
         places += self._unseen_riser(rule, flight, steps[-1])
@@ -301,7 +274,7 @@ class _Judge:
 
     def _spread_of(self, rule: Rule, flight: Flight, known: Sequence[tuple[Step, Measured]], reason: str) -> _Place:
         """Return the largest less the smallest of the values of two steps or more."""
-        measured, u_down, at = spread([value for _, value in known], rule.quantity in _CHAINED)
+        measured, u_down, at = spread([value for _, value in known], quantity_of(rule.quantity).is_chained)
         extremes = [known[position][0] for position in sorted(at)]
         return _Place(
             flight.flight_id,
@@ -368,7 +341,7 @@ class _Judge:
         u = place.u_down if is_too_large and place.u_down is not None else measured.u
         verdict = self._verdict(margin, u)
         reason = place.reason
-        if rule.quantity in _BY_WALKING_LINE and self._is_curved(place.flight):
+        if quantity_of(rule.quantity).is_of_line and self._is_curved(place.flight):
             reason = _joined(_ON_MIDDLE_LINE, reason)
         is_certain = limit is rule.maximum if verdict.is_outside else rule.maximum is None
         if place.is_partial and not is_certain:
@@ -408,7 +381,7 @@ def _why_not_by_shape(rule: Rule, flight: Flight) -> str:
     if flight.shape in ("winder", "spiral"):
         return _WINDING
     is_size = rule.statistic in ("each", "flight")
-    return _CURVED if flight.shape == "curved" and is_size and rule.quantity in _BY_WALKING_LINE else ""
+    return _CURVED if flight.shape == "curved" and is_size and quantity_of(rule.quantity).is_of_line else ""
 
 
 def _says_nothing(rule: Rule, u: float) -> bool:
@@ -458,18 +431,6 @@ def _why_partly(rule: Rule) -> str:
     return "inside the limit; the scan shows only a part of what the clause limits"
 
 
-def _is_usable(step: Step, quantity: str) -> bool:
-    """Tell whether all that a quantity is made of is a number where it was measured."""
-    made_of = {
-        "two_r_plus_g": (step.rise_m, step.going_m),
-        "tread_slope": (step.fall_deg, step.cross_fall_deg),
-        "landing_slope": (step.fall_deg, step.cross_fall_deg),
-        "pitch": (step.pitch_deg,),
-    }
-    values = made_of[quantity] if quantity in made_of else (getattr(step, f"{quantity}_m", None),)
-    return all(value is None or usable(value) is not None for value in values)
-
-
 def _has_upper_end(steps: Sequence[Step]) -> bool:
     return steps[-1].kind == "landing"
 
@@ -506,7 +467,7 @@ def _fit_of(rule: Rule, findings: Sequence[Finding], registration_m: float) -> F
         return made("not fit: what is intended lies on the limit, where no measurement decides", False, u, 0.0)
     is_fit: bool | None = u <= FIT_SHARE * tolerance
     words = "U up to {u}; this check needs at most {most}"
-    if rule.statistic in _DIFFERENCES and QUANTITIES[rule.quantity] == LENGTH_UNITS:
+    if rule.statistic in _DIFFERENCES and LIMIT_UNITS[rule.quantity] == LENGTH_UNITS:
         stated = f"is stated as {1000.0 * registration_m:g} mm" if registration_m else "is not stated"
         words += f"; registration from step to step {stated}"
         if is_fit and not registration_m:
@@ -520,7 +481,7 @@ def _fit_of(rule: Rule, findings: Sequence[Finding], registration_m: float) -> F
 def _tolerance(rule: Rule) -> float:
     """Return what U is held against: the room between the limits, for a size at most a tenth of the smaller limit."""
     low, high = (None if limit is None else limit.value for limit in (rule.minimum, rule.maximum))
-    if rule.statistic in _DIFFERENCES or rule.quantity not in _SIZES:
+    if rule.statistic in _DIFFERENCES or not quantity_of(rule.quantity).is_size:
         return (low or 0.0) if high is None else high - (low or 0.0)
     limits = [limit for limit in (low, high) if limit is not None]
     share = _SIZE_SHARE * min(limits)

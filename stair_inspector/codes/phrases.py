@@ -2,7 +2,7 @@
 
 from stair_inspector.codes.findings import Finding
 from stair_inspector.codes.rules import Limit, Rule, RuleEdit, RuleSet
-from stair_inspector.units import display_of, shown, u_text
+from stair_inspector.units import display_of, shown
 
 
 def value_text(found: Finding) -> str:
@@ -12,13 +12,7 @@ def value_text(found: Finding) -> str:
     """
     if found.value is None:
         return "-"
-    if not found.u:
-        return shown(found.rule.quantity, found.value)
-    scale, unit, _ = display_of(found.rule.quantity)
-    u = u_text(scale * found.u)
-    digits = len(u.partition(".")[2])
-    gap = "" if unit == "°" else " "
-    return f"{round(scale * found.value, digits) + 0.0:.{digits}f} ± {u}{gap}{unit}"
+    return shown(found.rule.quantity, found.value, found.u)
 
 
 def limit_words(limit: Limit | None) -> str:

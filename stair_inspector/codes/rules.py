@@ -6,6 +6,7 @@ from fractions import Fraction
 from typing import Literal, get_args
 
 from stair_inspector.errors import ConfigError, is_one_line
+from stair_inspector.quantities import LIMITED, SiUnit
 
 Statistic = Literal["each", "flight_range", "adjacent_difference", "flight"]
 Severity = Literal["limit", "advisory", "report_only"]
@@ -38,25 +39,22 @@ UNITS: dict[str, Fraction] = {
 LENGTH_UNITS = ("m", "cm", "mm", "in", "ft")
 SLOPE_UNITS = ("slope", "%")
 
-QUANTITIES: dict[str, tuple[str, ...]] = {
-    "rise": LENGTH_UNITS,
-    "going": LENGTH_UNITS,
-    "tread_depth": LENGTH_UNITS,
-    "width": LENGTH_UNITS,
-    "nosing_overhang": LENGTH_UNITS,
-    "two_r_plus_g": LENGTH_UNITS,
-    "flight_rise": LENGTH_UNITS,
-    "pitch": ("deg",),
-    "tread_slope": SLOPE_UNITS,
-    "landing_slope": SLOPE_UNITS,
-    "n_risers": ("count",),
+_UNITS_OF: dict[SiUnit, tuple[str, ...]] = {
+    "m": LENGTH_UNITS,
+    "deg": ("deg",),
+    "tangent": SLOPE_UNITS,
+    "count": ("count",),
+}
+LIMIT_UNITS: dict[str, tuple[str, ...]] = {
+    **{quantity.name: _UNITS_OF[quantity.unit] for quantity in LIMITED},
     "other": tuple(UNITS),
 }
 """What can be limited, and the units of its limits. ``other`` is what no scan shows."""
-FLIGHT_QUANTITIES = ("flight_rise", "n_risers")
-"""Quantities that only a whole flight has."""
-STEP_QUANTITIES = tuple(name for name in QUANTITIES if name not in (*FLIGHT_QUANTITIES, "pitch", "other"))
-"""Quantities that only a step has; ``pitch`` is both a step's and a flight's."""
+_ONLY_OF_FLIGHTS = tuple(quantity.name for quantity in LIMITED if quantity.of_step is None)
+_ONLY_OF_STEPS = tuple(
+    quantity.name for quantity in LIMITED if quantity.name not in _ONLY_OF_FLIGHTS and quantity.name != "pitch"
+)
+"""``pitch`` is judged as a step's and as a flight's."""
 
 _PLAIN = r"[0-9]{1,6}(?:\.[0-9]{1,9})?"
 _NUMBER = re.compile(
@@ -173,7 +171,7 @@ class Condition:
     below: Limit
 
     def __post_init__(self) -> None:
-        _check_member("only_where: quantity", self.quantity, STEP_QUANTITIES)
+        _check_member("only_where: quantity", self.quantity, _ONLY_OF_STEPS)
         _check_unit("only_where", self.quantity, self.below)
 
 
@@ -181,7 +179,7 @@ class Condition:
 class Rule:
     """One record of a rule set.
 
-    ``term`` is the code's own word, ``quantity`` ours (a key of :data:`QUANTITIES`): the mapping lives here.
+    ``term`` is the code's own word, ``quantity`` ours (a key of :data:`LIMIT_UNITS`): the mapping lives here.
     ``statistic``: of ``each`` step, the largest less the smallest of a flight, the ``adjacent_difference`` between
     neighbours, or a value of the ``flight``. ``severity``: a ``limit`` can be found outside; an ``advisory`` warns;
     ``report_only`` is shown without a judgement. ``from_scan``: ``partly`` when the scan shows less than the clause
@@ -210,7 +208,7 @@ class Rule:
             _check_text(f"{place}: {name}", getattr(self, name))
         for name in ("applies", "note"):
             _check_text(f"{place}: {name}", getattr(self, name), may_be_empty=True)
-        _check_member(f"{place}: quantity", self.quantity, tuple(QUANTITIES))
+        _check_member(f"{place}: quantity", self.quantity, tuple(LIMIT_UNITS))
         for name, kind in (("statistic", Statistic), ("severity", Severity), ("from_scan", FromScan), ("grade", Grade)):
             _check_member(f"{place}: {name}", getattr(self, name), get_args(kind))
         self._check_statistic(place)
@@ -218,10 +216,10 @@ class Rule:
 
     def _check_statistic(self, place: str) -> None:
         is_of_flight = self.statistic == "flight"
-        if (self.quantity in FLIGHT_QUANTITIES and not is_of_flight) or (
-            self.quantity in STEP_QUANTITIES and is_of_flight
+        if (self.quantity in _ONLY_OF_FLIGHTS and not is_of_flight) or (
+            self.quantity in _ONLY_OF_STEPS and is_of_flight
         ):
-            fitting = "flight" if self.quantity in FLIGHT_QUANTITIES else "each, flight_range or adjacent_difference"
+            fitting = "flight" if self.quantity in _ONLY_OF_FLIGHTS else "each, flight_range or adjacent_difference"
             raise ConfigError(f"{place}: statistic: {self.quantity} has no {self.statistic!r}; give {fitting}")
         if self.quantity in _CHAINED_ALONE and self.statistic in ("flight_range", "adjacent_difference"):
             raise ConfigError(
@@ -476,8 +474,8 @@ def _check_member(place: str, value: str, known: tuple[str, ...]) -> None:
 
 
 def _check_unit(place: str, quantity: str, limit: Limit) -> None:
-    if limit.unit not in QUANTITIES[quantity]:
-        fitting = ", ".join(QUANTITIES[quantity])
+    if limit.unit not in LIMIT_UNITS[quantity]:
+        fitting = ", ".join(LIMIT_UNITS[quantity])
         if limit.unit == "count":
             raise ConfigError(f"{place}: {limit.written} has no unit; write one of {fitting} after it")
         raise ConfigError(f"{place}: {limit.as_written} is no limit of {quantity}; its units are {fitting}")

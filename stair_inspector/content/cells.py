@@ -5,25 +5,10 @@ from collections.abc import Iterable
 from stair_inspector.codes.findings import Finding, Verdict
 from stair_inspector.content.document import Cell, Column, Number
 from stair_inspector.model import Measured, Statistics
-from stair_inspector.units import u_text
+from stair_inspector.quantities import QUANTITIES, Quantity, SiUnit
+from stair_inspector.units import places_of
 
-QUANTITY_WORDS: dict[str, str] = {
-    "rise": "rise",
-    "going": "going",
-    "tread_depth": "tread depth",
-    "width": "tread width",
-    "nosing_overhang": "nosing overhang",
-    "two_r_plus_g": "2R + G",
-    "pitch": "pitch",
-    "fall": "fall to the nosing",
-    "cross_fall": "cross-fall",
-    "tread_slope": "slope of treads",
-    "landing_slope": "slope of landings",
-    "flight_rise": "total rise",
-    "flight_run": "total run",
-    "n_risers": "number of risers",
-    "other": "",
-}
+QUANTITY_WORDS: dict[str, str] = {**{quantity.name: quantity.words for quantity in QUANTITIES}, "other": ""}
 """Our quantities, in words."""
 
 
@@ -32,9 +17,33 @@ def mm(value_m: float | None) -> float | None:
     return None if value_m is None else round(value_m * 1000.0, 6)
 
 
+_COLUMNS: dict[SiUnit, tuple[str, int]] = {"m": ("mm", 1), "deg": ("°", 2), "tangent": ("%", 2), "count": ("", 0)}
+"""The unit of a report's column of each kind, and the decimals of values without an uncertainty."""
+
+
+def unit_in_report(unit: SiUnit) -> tuple[str, int]:
+    """Return the unit in which a report has values, and the decimals of those without an uncertainty."""
+    return _COLUMNS[unit]
+
+
 def with_u(name: str, unit: str, digits: int) -> tuple[Column, Column]:
     """Return the columns of a value and of its expanded uncertainty."""
     return Column(name, unit, digits), Column(f"U {name[0].lower()}{name[1:]}", unit, digits, is_u=True)
+
+
+def columns_for(quantity: Quantity) -> tuple[Column, Column]:
+    """Return the columns of a quantity and of its expanded uncertainty."""
+    return with_u(quantity.title, *unit_in_report(quantity.unit))
+
+
+def cells_of(quantity: Quantity, measured: Measured | None) -> tuple[Cell, Cell]:
+    """Return the cells under :func:`columns_for`: the value to be rounded where its uncertainty is, and that."""
+    scale, digits = quantity.display.scale, unit_in_report(quantity.unit)[1]
+    if measured is None:
+        return None, None
+    if scale == 1.0:
+        return rounded((measured.value, measured.u), digits)
+    return rounded((round(measured.value * scale, 6), round(measured.u * scale, 6)), digits)
 
 
 def lengths(measured: Measured | None) -> tuple[float | None, float | None]:
@@ -45,11 +54,6 @@ def lengths(measured: Measured | None) -> tuple[float | None, float | None]:
 def angles(measured: Measured | None) -> tuple[float | None, float | None]:
     """Return an angle and its uncertainty in degrees."""
     return (None, None) if measured is None else (measured.value, measured.u)
-
-
-def places_of(u: float | None, digits: int) -> int:
-    """Return the decimals of a value: those with which its uncertainty is shown, ``digits`` where it has none."""
-    return len(u_text(u).partition(".")[2]) if u else digits
 
 
 def rounded(pair: tuple[float | None, float | None], digits: int) -> tuple[Cell, Cell]:

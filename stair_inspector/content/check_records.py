@@ -3,9 +3,7 @@
 from typing import Any
 
 from stair_inspector.codes import DECISIONS, Check, Condition, Finding, Fit, Limit, Rule, RuleEdit, RuleSet
-
-_SI_UNITS = {"pitch": "deg", "tread_slope": "tangent", "landing_slope": "tangent", "n_risers": "count"}
-"""Units of the values of a quantity; the others are metres."""
+from stair_inspector.quantities import quantity_of
 
 
 def check_record(check: Check) -> dict[str, Any]:
@@ -28,7 +26,7 @@ def check_record(check: Check) -> dict[str, Any]:
 
 def si_unit(rule: Rule) -> str | None:
     """Return the unit of a rule's values: ``m``, ``deg``, ``tangent`` or ``count``; None for what no scan shows."""
-    return None if rule.quantity == "other" else _SI_UNITS.get(rule.quantity, "m")
+    return None if rule.quantity == "other" else quantity_of(rule.quantity).unit
 
 
 def _set_record(rule_set: RuleSet) -> dict[str, Any]:

@@ -1,21 +1,20 @@
 """Two checks of the scan that do not need a code: do the rises close, and do readings by hand agree?"""
 
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from stair_inspector.codes.quantities import OWN_PARTS, combined, part_of
-from stair_inspector.content.cells import QUANTITY_WORDS, lengths, mm, with_u
+from stair_inspector.content.cells import lengths, mm, unit_in_report, with_u
 from stair_inspector.content.document import Cell, Column, Number, Status, Table, Tone, plain
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.readings import TapeReading
-from stair_inspector.content.values import flight_rise, flight_run, plane_to_plane, steps_of
+from stair_inspector.content.values import flight_value, plane_to_plane, steps_of
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.measured import OWN_PARTS, combined, part_of
 from stair_inspector.model import Inspection, Measured, Step
+from stair_inspector.quantities import LINES, quantity_of
 
-_LINES = ("left", "centre", "right")
 _CLOSURE_DIGITS, _FINEST_DIGITS = 2, 6
 """Decimals of a millimetre in the closure check: as many as are shown, and no more than are kept."""
 _SLIP_SHARE = 0.1
@@ -48,7 +47,7 @@ def closure_table(inspection: Inspection) -> Table:
     rows: list[tuple[Cell, ...]] = []
     tones: list[tuple[int, Tone]] = []
     for flight in inspection.flights:
-        rises, planes = flight_rise(inspection, flight), plane_to_plane(inspection, flight)
+        rises, planes = flight_value(inspection, flight, "flight_rise"), plane_to_plane(inspection, flight)
         if rises is None or planes is None:
             why = "a rise was not measured" if rises is None else "the surface at its foot was not seen as a plane"
             rows.append(
@@ -133,7 +132,8 @@ def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
     rows: list[tuple[Cell, ...]] = []
     tones: list[tuple[int, Tone]] = []
     for reading in basis.readings:
-        scale, unit, digits = (1000.0, "mm", 1) if reading.unit == "m" else (1.0, "°", 2)
+        quantity = quantity_of(reading.quantity)
+        scale, (unit, digits) = quantity.display.scale, unit_in_report(quantity.unit)
         found = compared(inspection, reading)
         scanned, difference, result = found.scanned, found.difference, found.result
         if result.tone in ("bad", "close"):
@@ -141,7 +141,7 @@ def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
         rows.append(
             (
                 found.place,
-                QUANTITY_WORDS[reading.quantity],
+                quantity.words,
                 unit,
                 Number(round(reading.value * scale, 6), digits),
                 None if reading.u is None else round(reading.u * scale, 6),
@@ -192,23 +192,17 @@ def _of_flight(inspection: Inspection, reading: TapeReading) -> Measured | None:
     flight = next((flight for flight in inspection.flights if flight.flight_id == reading.flight), None)
     if flight is None:
         return None
-    of_flight: Mapping[str, Callable[[], Measured | None]] = {
-        "flight_rise": lambda: flight_rise(inspection, flight),
-        "flight_run": lambda: flight_run(inspection, flight),
-        "pitch": lambda: flight.pitch_deg,
-        "width": lambda: flight.width_m,
-    }
-    return of_flight[reading.quantity]()
+    return flight_value(inspection, flight, reading.quantity)
 
 
 def _of_step(step: Step | None, reading: TapeReading) -> Measured | None:
     if step is None:
         return None
-    value: Measured | None = getattr(step, f"{reading.quantity}_{reading.unit}")
+    quantity = quantity_of(reading.quantity)
+    value = quantity.of(step)
     if value is None or reading.line == "centre":
         return value
-    on_lines: tuple[float | None, ...] | None = getattr(step, f"{reading.quantity}_lcr_{reading.unit}")
-    there = None if on_lines is None else on_lines[_LINES.index(reading.line)]
+    there = quantity.lines_of(step)[LINES.index(reading.line)]
     # No uncertainty is worked out on the outer lines; the note under the table says whose it is.
     return None if there is None else Measured(there, value.u)
 
@@ -249,7 +243,7 @@ def _agreement(reading: TapeReading, step: Step | None, scanned: Measured | None
         return Status("not in the scan", "plain")
     difference = abs(reading.value - scanned.value)
     if reading.u is None:
-        if reading.unit == "m" and reading.quantity != "nosing_overhang" and difference > _SLIP_SHARE * scanned.value:
+        if reading.unit == "m" and quantity_of(reading.quantity).is_size and difference > _SLIP_SHARE * scanned.value:
             return Status("far from the scan: check place and unit; U of the reading not stated", "close")
         return Status("U of the reading not stated", "plain")
     if difference <= math.hypot(scanned.u, reading.u):

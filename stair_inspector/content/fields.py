@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from stair_inspector.content.images import LARGEST_IMAGE_BYTES, Photo, photo_as_kept, read_logo, read_photo
-from stair_inspector.content.readings import FLIGHT_QUANTITIES, STEP_QUANTITIES, TapeReading, parse_reading
+from stair_inspector.content.readings import FLIGHT_READINGS, STEP_READINGS, TapeReading, parse_reading
 from stair_inspector.content.texts import check_text
 from stair_inspector.content.written import split_unit
 from stair_inspector.errors import ConfigError, brief
@@ -287,7 +287,7 @@ def _reading_from(entry: dict[str, Any], place: str) -> TapeReading:
     unit = given.pop("unit")
     quantity = str(given["quantity"])
     # Said before the unit is asked for: the unit follows from the quantity.
-    check_keys(place, [quantity], {**STEP_QUANTITIES, **FLIGHT_QUANTITIES}, "quantity")
+    check_keys(place, [quantity], {**STEP_READINGS, **FLIGHT_READINGS}, "quantity")
     for name in ("value", "u"):
         if name in given:
             given[name] = _read_size(given[name], unit, quantity, f"{place}: {name}", is_u=name == "u")

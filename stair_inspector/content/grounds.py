@@ -1,10 +1,11 @@
 """The tables of what the numbers rest on: parts of the uncertainty, surfaces, notes."""
 
-from stair_inspector.codes.quantities import COMMON_PARTS, OWN_PARTS, part_of
-from stair_inspector.content.cells import QUANTITY_WORDS, mm
+from stair_inspector.content.cells import mm
 from stair_inspector.content.document import Column, Table
 from stair_inspector.content.note_words import note_words
-from stair_inspector.model import SURVEY_VALUES, Inspection, Measured
+from stair_inspector.measured import COMMON_PARTS, OWN_PARTS, part_of
+from stair_inspector.model import Inspection, Measured
+from stair_inspector.quantities import IN_FILES
 
 _PARTS = (*OWN_PARTS, *COMMON_PARTS)
 
@@ -20,18 +21,17 @@ def budget_table(inspection: Inspection) -> Table:
         Column("Largest at step", digits=0),
     )
     rows = []
-    for name in SURVEY_VALUES:
+    for quantity in IN_FILES:
         found: list[tuple[int, Measured]] = [
-            (step.step_id, value) for step in inspection.steps if (value := getattr(step, name)) is not None
+            (step.step_id, value) for step in inspection.steps if (value := quantity.of(step)) is not None
         ]
         if not found:
             continue
-        scale, unit = (1000.0, "mm") if name.endswith("_m") else (1.0, "°")
+        scale, unit, _ = quantity.display
         step_id, worst = max(found, key=lambda pair: pair[1].u)
         parts = [round(part_of(worst, part) * scale, 6) or None for part in _PARTS]
         least = min(value.u for _, value in found)
-        words = QUANTITY_WORDS[name.rpartition("_")[0]]
-        rows.append((words, unit, round(least * scale, 6), round(worst.u * scale, 6), *parts, step_id))
+        rows.append((quantity.words, unit, round(least * scale, 6), round(worst.u * scale, 6), *parts, step_id))
     note = (
         "The parts are those of the largest U, each expanded (k = 2); U is the root of the sum of their squares. "
         "– has no weight."

@@ -10,24 +10,20 @@ from stair_inspector.content.written import split_unit
 from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.toml import check_keys
 from stair_inspector.params import METRES_PER_UNIT
+from stair_inspector.quantities import OF_FLIGHT, OF_STEP, ON_LINES, SiUnit
 
 Line = Literal["left", "centre", "right"]
-STEP_QUANTITIES: dict[str, str] = {
-    "rise": "m",
-    "going": "m",
-    "tread_depth": "m",
-    "width": "m",
-    "nosing_overhang": "m",
-    "pitch": "deg",
-    "fall": "deg",
-    "cross_fall": "deg",
-}
+STEP_READINGS: dict[str, SiUnit] = {quantity.name: quantity.unit for quantity in OF_STEP if quantity.is_read}
 """What can be read off one step by hand, and the unit that its value is kept in."""
-FLIGHT_QUANTITIES: dict[str, str] = {"flight_rise": "m", "flight_run": "m", "pitch": "deg", "width": "m"}
-"""What can be read off a whole flight by hand."""
-_MAY_BE_NEGATIVE = ("fall", "cross_fall", "nosing_overhang")
+FLIGHT_READINGS: dict[str, SiUnit] = {
+    quantity.name: quantity.unit
+    for quantity in sorted(OF_FLIGHT, key=lambda each: each.of_step is not None)
+    if quantity.is_read
+}
+"""What can be read off a whole flight by hand, what only a flight has first."""
+_MAY_BE_NEGATIVE = tuple(quantity.name for quantity in OF_STEP if quantity.may_be_negative)
 """Quantities with a direction; another one of zero or below is a slip of the pen."""
-ON_A_LINE = ("rise", "going")
+ON_A_LINE = tuple(quantity.name for quantity in ON_LINES)
 """Quantities that are measured on three lines."""
 _LONGEST_READING = {"m": 100.0, "deg": 90.0}
 _LARGEST_NUMBER = 1e9
@@ -40,7 +36,7 @@ _SIZES = {**METRES_PER_UNIT, "deg": 1.0, "%": 0.01}
 class TapeReading:
     """One reading by hand, to be compared with the scan.
 
-    ``quantity`` is a name of :data:`STEP_QUANTITIES` where ``step`` is given, else of :data:`FLIGHT_QUANTITIES` with
+    ``quantity`` is a name of :data:`STEP_READINGS` where ``step`` is given, else of :data:`FLIGHT_READINGS` with
     ``flight``; ``value`` is in metres or degrees, ``u`` its expanded uncertainty (k = 2) where known; ``line`` is the
     measuring line of a rise or going. ``at`` is the middle of the step's tread, scan frame, metres, where it is known:
     the number of a step may change with the settings, its place does not.
@@ -66,7 +62,7 @@ class TapeReading:
         place = f"reading of {brief(self.quantity)}"
         if (self.step is None) == (self.flight is None):
             raise ConfigError(f"{place}: give either step or flight, a number from 1")
-        known = STEP_QUANTITIES if self.flight is None else FLIGHT_QUANTITIES
+        known = STEP_READINGS if self.flight is None else FLIGHT_READINGS
         check_keys("reading", [str(self.quantity)], known, "quantity")
         for name in ("step", "flight"):
             number = getattr(self, name)
@@ -92,7 +88,7 @@ class TapeReading:
     @property
     def unit(self) -> str:
         """The unit of ``value``: ``m`` or ``deg``."""
-        return (STEP_QUANTITIES if self.flight is None else FLIGHT_QUANTITIES)[self.quantity]
+        return (STEP_READINGS if self.flight is None else FLIGHT_READINGS)[self.quantity]
 
 
 def parse_reading(written: str | float, unit: str, quantity: str, place: str = "value", *, is_u: bool = False) -> float:
@@ -105,7 +101,7 @@ def parse_reading(written: str | float, unit: str, quantity: str, place: str = "
     unit : str
         A unit of length; for an angle ``deg``, or ``%`` for a slope as a level shows it.
     quantity : str
-        A name of :data:`STEP_QUANTITIES` or :data:`FLIGHT_QUANTITIES`.
+        A name of :data:`STEP_READINGS` or :data:`FLIGHT_READINGS`.
     is_u : bool
         Whether it is the uncertainty of a reading, which has no direction.
 
@@ -114,7 +110,7 @@ def parse_reading(written: str | float, unit: str, quantity: str, place: str = "
     ConfigError
         Not a number, a unit that does not fit the quantity, or a size that no stair has.
     """
-    kept_in = {**STEP_QUANTITIES, **FLIGHT_QUANTITIES}.get(quantity, "deg")
+    kept_in = {**STEP_READINGS, **FLIGHT_READINGS}.get(quantity, "deg")
     number, own_unit = split_unit(written, place) if isinstance(written, str) else (written, "")
     unit = own_unit or unit
     units = LENGTH_UNITS if kept_in == "m" else ("deg", "%")

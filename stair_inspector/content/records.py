@@ -11,7 +11,6 @@ from stair_inspector.content.check_records import check_record
 from stair_inspector.files.settings import params_to_dict
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import (
-    SURVEY_VALUES,
     Flight,
     Inspection,
     Measured,
@@ -21,12 +20,9 @@ from stair_inspector.model import (
 )
 from stair_inspector.overrules import parse_force, parse_region, parse_up
 from stair_inspector.params import Params
+from stair_inspector.quantities import COMPARED, IN_FILES, ON_LINES, PAPER_QUANTITIES, PITCH, WIDTH, with_above
 
 SCHEMA = "stair-inspector/inspection-1"
-
-
-LINES = ("left", "centre", "right")
-"""The measuring lines as seen when climbing, in the order of ``rise_lcr_m`` and ``going_lcr_m``."""
 
 
 def inspection_to_dict(inspection: Inspection, check: Check | None = None) -> dict[str, Any]:
@@ -73,7 +69,7 @@ def inspection_to_dict(inspection: Inspection, check: Check | None = None) -> di
         },
         "patches": [_patch_to_dict(patch, origin) for patch in inspection.patches],
         "flights": [_flight_to_dict(flight) for flight in inspection.flights],
-        "steps": [_step_to_dict(step, origin) for step in inspection.steps],
+        "steps": [_step_to_dict(step, above, origin) for step, above in with_above(inspection.steps)],
         "overrules": overrule_records(inspection.params),
         "check": None if check is None else check_record(check),
         "notes": [
@@ -84,12 +80,7 @@ def inspection_to_dict(inspection: Inspection, check: Check | None = None) -> di
     }
 
 
-def values_on_lines(values_m: tuple[float | None, ...] | None) -> tuple[float | None, ...]:
-    """Return the value on each of :data:`LINES`, None where there is none."""
-    return (None,) * len(LINES) if values_m is None else values_m
-
-
-def _step_to_dict(step: Step, origin: Floats) -> dict[str, Any]:
+def _step_to_dict(step: Step, above: Step | None, origin: Floats) -> dict[str, Any]:
     return {
         "id": step.step_id,
         "flight": step.flight,
@@ -98,11 +89,10 @@ def _step_to_dict(step: Step, origin: Floats) -> dict[str, Any]:
         "centroid_m": (step.plane.centroid + origin).tolist(),
         "normal": None if step.plane.normal is None else step.plane.normal.tolist(),
         "rms_m": step.plane.rms_m,
-        "paper": dataclasses.asdict(step.paper),
-        **{name: _measured_to_dict(getattr(step, name)) for name in SURVEY_VALUES},
+        "paper": {quantity.column: quantity.of_paper(step.paper) for quantity in PAPER_QUANTITIES},
+        **{quantity.column: _measured_to_dict(quantity.of(step, above)) for quantity in IN_FILES},
         "coverage": step.coverage,
-        "rise_lcr_m": _lcr_to_list(step.rise_lcr_m),
-        "going_lcr_m": _lcr_to_list(step.going_lcr_m),
+        **{quantity.lines_field: _lcr_to_list(quantity.lines_of(step)) for quantity in ON_LINES},
         "nosing_m": None if step.nosing is None else (step.nosing + origin).tolist(),
         "line_points_m": None if step.line_points is None else (step.line_points + origin).tolist(),
         "climb": None if step.climb is None else step.climb.tolist(),
@@ -113,9 +103,8 @@ def _measured_to_dict(measured: Measured | None) -> dict[str, Any] | None:
     return None if measured is None else {"value": measured.value, "u": measured.u, "parts": dict(measured.parts)}
 
 
-def _lcr_to_list(values_m: tuple[float | None, ...] | None) -> list[float | None] | None:
+def _lcr_to_list(values: tuple[float | None, ...]) -> list[float | None] | None:
     """Return the values on the three lines; None as a whole where none of them was measured."""
-    values = values_on_lines(values_m)
     return None if all(value is None for value in values) else list(values)
 
 
@@ -138,14 +127,13 @@ def _flight_to_dict(flight: Flight) -> dict[str, Any]:
         "id": flight.flight_id,
         "steps": list(flight.step_ids),
         "n_risers": flight.n_risers,
-        "pitch_deg": _measured_to_dict(flight.pitch_deg),
-        "width_m": _measured_to_dict(flight.width_m),
+        PITCH.column: _measured_to_dict(flight.pitch_deg),
+        WIDTH.column: _measured_to_dict(flight.width_m),
         "shape": flight.shape,
         "radius_m": _measured_to_dict(flight.radius_m),
         "goes_on": flight.goes_on,
         "climb": flight.climb.tolist(),
-        "rise": _statistics_to_dict(flight.rise),
-        "going": _statistics_to_dict(flight.going),
+        **{quantity.name: _statistics_to_dict(quantity.statistics_of(flight)) for quantity in COMPARED},
     }
 
 

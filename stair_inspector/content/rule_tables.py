@@ -6,14 +6,15 @@ from stair_inspector.codes.at_steps import findings_at_steps, outside_at_steps
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
 from stair_inspector.codes.phrases import limit_words, limits_text
 from stair_inspector.codes.rules import GRADES, Rule
-from stair_inspector.content.cells import numbers_of, outside_counts, places_of
+from stair_inspector.content.cells import numbers_of, outside_counts
 from stair_inspector.content.document import Cell, Column, Number, Status, Table, Tone, plain
 from stair_inspector.content.fields import Checklist
 from stair_inspector.content.note_words import note_words
 from stair_inspector.model import Inspection
-from stair_inspector.units import display_of
+from stair_inspector.quantities import QUANTITIES
+from stair_inspector.units import display_of, places_of
 
-_MAPPED = {"going": "going", "tread_depth": "tread depth", "width": "tread width"}
+_MAPPED = {quantity.name: quantity.words for quantity in QUANTITIES if quantity.is_other_in_codes}
 """Quantities whose name in a code is not ours, or is that of another of ours: a US tread depth is our going."""
 TONES: dict[Verdict, Tone] = {
     Verdict.WITHIN: "good",

@@ -5,13 +5,32 @@ from collections.abc import Iterable
 
 from stair_inspector.codes.at_steps import findings_at_steps, outside_at_steps
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
-from stair_inspector.codes.quantities import step_value
-from stair_inspector.content.cells import QUANTITY_WORDS, angles, lengths, mm, pair, rounded, with_u
+from stair_inspector.content.cells import (
+    QUANTITY_WORDS,
+    angles,
+    cells_of,
+    columns_for,
+    lengths,
+    mm,
+    pair,
+    rounded,
+    unit_in_report,
+    with_u,
+)
 from stair_inspector.content.document import Cell, Column, Table, Tone
-from stair_inspector.content.values import diagonal_m, flight_rise, flight_run, steps_of
-from stair_inspector.model import Inspection, Statistics, Step
+from stair_inspector.content.values import flight_value, steps_of
+from stair_inspector.model import Inspection, Step
+from stair_inspector.quantities import (
+    COMPARED,
+    LINES,
+    ON_LINES,
+    SHOWN_OF_PAPER,
+    PaperQuantity,
+    in_report,
+    step_value,
+    with_above,
+)
 
-_LINES = ("left", "centre", "right")
 _BEYOND = (Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE, Verdict.WITHIN_CLOSE)
 """What a step is flagged for, the gravest first."""
 
@@ -50,8 +69,8 @@ def flights_table(inspection: Inspection) -> Table:
                 flight.flight_id,
                 flight.shape,
                 flight.n_risers,
-                *rounded(lengths(flight_rise(inspection, flight)), 1),
-                *rounded(lengths(flight_run(inspection, flight)), 1),
+                *rounded(lengths(flight_value(inspection, flight, "flight_rise")), 1),
+                *rounded(lengths(flight_value(inspection, flight, "flight_run")), 1),
                 None if flight.rise is None else mm(flight.rise.mean),
                 None if flight.going is None else mm(flight.going.mean),
                 *rounded(angles(flight.pitch_deg), 2),
@@ -74,22 +93,12 @@ def steps_table(inspection: Inspection, check: Check | None) -> Table:
     columns = (
         Column("Step", digits=0),
         Column("Flight", digits=0),
-        *with_u("Rise", "mm", 1),
-        *with_u("Going", "mm", 1),
-        *with_u("Tread depth", "mm", 1),
-        *with_u("Overhang", "mm", 1),
-        *with_u("Width", "mm", 1),
-        *with_u("2R + G", "mm", 1),
-        *with_u("Pitch", "°", 2),
-        *with_u("Diagonal", "mm", 1),
+        *(column for quantity in in_report("steps") for column in columns_for(quantity)),
     )
-    above = dict(zip(inspection.steps, inspection.steps[1:], strict=False))
     rows = []
-    for step in inspection.steps:
-        found = (step.rise_m, step.going_m, step.tread_depth_m, step.nosing_overhang_m, step.width_m)
-        cells = [cell for length in (*found, step_value(step, "two_r_plus_g")) for cell in rounded(lengths(length), 1)]
-        diagonal = rounded(lengths(diagonal_m(step, above.get(step))), 1)
-        rows.append((step.step_id, step.flight, *cells, *rounded(angles(step.pitch_deg), 2), *diagonal))
+    for step, above in with_above(inspection.steps):
+        cells = [cell for each in in_report("steps") for cell in cells_of(each, each.of(step, above))]
+        rows.append((step.step_id, step.flight, *cells))
     note = (
         "± is the expanded uncertainty U (k = 2). Rise: to this step's nosing. Going: from this nosing to the next. "
         "Width: of the tread, not the clear width between handrails. Diagonal: from this nosing to the next. "
@@ -105,10 +114,8 @@ def evidence_table(inspection: Inspection, check: Check | None) -> Table:
     columns = (
         Column("Step", digits=0),
         Column("Kind"),
-        *with_u("Fall", "°", 2),
-        *with_u("Cross-fall", "°", 2),
-        *(Column(f"Rise {line}", "mm", 1) for line in _LINES),
-        *(Column(f"Going {line}", "mm", 1) for line in _LINES),
+        *(column for quantity in in_report("evidence") for column in columns_for(quantity)),
+        *(Column(f"{each.title} {line}", *unit_in_report(each.unit)) for each in ON_LINES for line in LINES),
         Column("Points", digits=0),
         Column("Coverage", "%", 0),
         Column("Plane RMS", "mm", 2),
@@ -116,15 +123,13 @@ def evidence_table(inspection: Inspection, check: Check | None) -> Table:
     )
     told = {} if check is None else findings_at_steps(inspection, check)
     rows: list[tuple[Cell, ...]] = []
-    for step in inspection.steps:
+    for step, above in with_above(inspection.steps):
         rows.append(
             (
                 step.step_id,
                 step.kind,
-                *rounded(angles(step.fall_deg), 2),
-                *rounded(angles(step.cross_fall_deg), 2),
-                *(mm(value) for value in step.rise_lcr_m or (None,) * 3),
-                *(mm(value) for value in step.going_lcr_m or (None,) * 3),
+                *(cell for each in in_report("evidence") for cell in cells_of(each, each.of(step, above))),
+                *(mm(value) for each in ON_LINES for value in each.lines_of(step)),
                 step.plane.n_points,
                 None if step.coverage is None else round(100.0 * step.coverage, 6),
                 mm(step.plane.rms_m),
@@ -153,19 +158,14 @@ def paper_table(inspection: Inspection) -> Table:
     """Return the quantities of the paper's method."""
     columns = (
         Column("Step", digits=0),
-        Column("Height h", "mm", 1),
-        Column("Front to back d_FB", "mm", 1),
-        Column("Front to front d_FF", "mm", 1),
-        Column("Width W", "mm", 1),
-        Column("Angle θ", "°", 2),
+        *(Column(each.label, *unit_in_report(each.unit)) for each in SHOWN_OF_PAPER),
         Column("Points", digits=0),
         Column("Plane RMS", "mm", 2),
     )
     rows = tuple(
         (
             step.step_id,
-            *(mm(value) for value in (step.paper.h_m, step.paper.d_fb_m, step.paper.d_ff_m, step.paper.w_m)),
-            step.paper.theta_deg,
+            *(mm(value) if each.unit == "m" else value for each, value in _of_paper(step)),
             step.plane.n_points,
             mm(step.plane.rms_m),
         )
@@ -177,6 +177,10 @@ def paper_table(inspection: Inspection) -> Table:
         "nosing to nosing; no code is judged on them."
     )
     return Table("paper", "Quantities of the paper's method", columns, rows, note, "No step was found.")
+
+
+def _of_paper(step: Step) -> list[tuple[PaperQuantity, float | None]]:
+    return [(quantity, quantity.of_paper(step.paper)) for quantity in SHOWN_OF_PAPER]
 
 
 def uniformity_table(inspection: Inspection) -> Table:
@@ -195,22 +199,19 @@ def uniformity_table(inspection: Inspection) -> Table:
     )
     rows: list[tuple[Cell, ...]] = []
     for flight in inspection.flights:
-        kinds: tuple[tuple[str, Statistics | None, bool], ...] = (
-            ("rise", flight.rise, True),
-            ("going", flight.going, False),
-        )
-        for quantity, found, has_landings in kinds:
+        for quantity in COMPARED:
+            found = quantity.statistics_of(flight)
             if found is None:
                 continue
             values = [
                 value.value
                 for step in steps_of(inspection, flight)
-                if (has_landings or step.kind == "tread") and (value := step_value(step, quantity)) is not None
+                if step.kind in quantity.kinds and (value := step_value(step, quantity.name)) is not None
             ]
             rows.append(
                 (
                     flight.flight_id,
-                    quantity,
+                    quantity.words,
                     found.n,
                     mm(found.mean),
                     mm(statistics.stdev(values)) if len(values) > 1 else None,

@@ -1,10 +1,8 @@
-"""What a report states beyond the inspection's own values: sums over a flight, diagonals, heights between planes."""
+"""What a report states beyond the inspection's own values: values of flights, heights between planes."""
 
-import math
-
-from stair_inspector.codes.quantities import OWN_PARTS, combined, part_of, total
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Flight, Inspection, Measured, Step
+from stair_inspector.quantities import quantity_of
 
 
 def steps_of(inspection: Inspection, flight: Flight) -> list[Step]:
@@ -13,31 +11,10 @@ def steps_of(inspection: Inspection, flight: Flight) -> list[Step]:
     return [step for step in inspection.steps if step.step_id in wanted]
 
 
-def flight_rise(inspection: Inspection, flight: Flight) -> Measured | None:
-    """Return the sum of a flight's rises, None where one of them was not measured."""
-    rises = [step.rise_m for step in steps_of(inspection, flight)]
-    known = [rise for rise in rises if rise is not None]
-    return total(known) if known and len(known) == len(rises) and len(rises) == flight.n_risers else None
-
-
-def flight_run(inspection: Inspection, flight: Flight) -> Measured | None:
-    """Return the sum of a flight's goings, from its first nosing to its last."""
-    goings = [step.going_m for step in steps_of(inspection, flight)[:-1]]
-    known = [going for going in goings if going is not None]
-    return total(known) if known and len(known) == len(goings) else None
-
-
-def diagonal_m(step: Step, above: Step | None) -> Measured | None:
-    """Return the distance from a step's nosing to the next one's; a tilt turns it and leaves its length."""
-    going, rise = step.going_m, None if above is None or above.flight != step.flight else above.rise_m
-    if going is None or rise is None:
-        return None
-    length = math.hypot(going.value, rise.value)
-    along, up = going.value / length, rise.value / length
-    parts = {name: math.hypot(along * part_of(going, name), up * part_of(rise, name)) for name in OWN_PARTS}
-    parts["up"] = abs(along * part_of(going, "up") - up * part_of(rise, "up"))
-    parts["scale"] = along * part_of(going, "scale") + up * part_of(rise, "scale")
-    return combined(length, parts)
+def flight_value(inspection: Inspection, flight: Flight, name: str) -> Measured | None:
+    """Return a quantity of a flight by its name, None where it is not known or no quantity of flights."""
+    of_flight = quantity_of(name).of_flight
+    return None if of_flight is None else of_flight(flight, steps_of(inspection, flight))
 
 
 def plane_to_plane(inspection: Inspection, flight: Flight) -> float | None:

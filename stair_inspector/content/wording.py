@@ -4,15 +4,15 @@ import math
 from collections.abc import Sequence
 
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
-from stair_inspector.codes.phrases import gap_text, in_place_of, limit_words
+from stair_inspector.codes.phrases import gap_text, in_place_of, limit_words, value_text
 from stair_inspector.codes.rules import Limit, Side
-from stair_inspector.content.cells import numbers_of, outside_counts, places_of
+from stair_inspector.content.cells import numbers_of, outside_counts
 from stair_inspector.content.document import Status, plain
 from stair_inspector.content.note_words import note_sentence, note_words
 from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.model import Inspection
 from stair_inspector.params import UncertaintyParams
-from stair_inspector.units import display_of, tidy, u_text
+from stair_inspector.units import u_text
 
 _LOA = ((0.001, "LOA50 (0 to 1 mm)"), (0.005, "LOA40 (1 to 5 mm)"), (0.015, "LOA30 (5 to 15 mm)"))
 _LOA_COARSEST = (0.050, "LOA20 (15 to 50 mm)")
@@ -132,11 +132,6 @@ def outside_sentences(check: Check) -> tuple[str, ...]:
 
 def _outside_sentence(check: Check, found: Finding, alike: Sequence[Finding]) -> str:
     rule = found.rule
-    scale, unit, digits = display_of(rule.quantity)
-    gap = "" if unit in ("", "°") else " "
-    places = places_of(None if found.u is None else found.u * scale, digits)
-    value = f"{tidy((found.value or 0.0) * scale, places):.{places}f}"
-    u = "" if not found.u else f" ± {u_text(found.u * scale)}"
     beyond = gap_text(rule, abs(found.margin or 0.0))
     place = f"flight {found.flight}" if found.flight is not None else "the stair"
     steps = ""
@@ -150,7 +145,7 @@ def _outside_sentence(check: Check, found: Finding, alike: Sequence[Finding]) ->
     more = f"; of this rule {outside_counts(alike)}, this is the gravest" if len(alike) > 1 else ""
     kind = "advisory limit" if rule.severity == "advisory" else "limit"
     return (
-        f"{place[:1].upper()}{place[1:]}{steps}: {plain(rule.term)} is {value}{u}{gap}{unit}, outside the {kind} "
+        f"{place[:1].upper()}{place[1:]}{steps}: {plain(rule.term)} is {value_text(found)}, outside the {kind} "
         f"{limit} {origin} {plain(rule.clause)}, {_edition_words(check)}, by {beyond}{close}{more}."
     )
 

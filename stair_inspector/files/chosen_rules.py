@@ -12,7 +12,7 @@ from typing import Any, get_args
 
 from stair_inspector.codes import Decision, Limit, Rule, RuleEdit, RuleSet, edited, overlaid
 from stair_inspector.codes.phrases import limit_words
-from stair_inspector.codes.rules import QUANTITIES, Side, check_id
+from stair_inspector.codes.rules import LIMIT_UNITS, Side, check_id
 from stair_inspector.errors import ConfigError, brief, is_one_line
 from stair_inspector.files.rule_sets import list_rule_sets, parse_rule_set
 from stair_inspector.files.toml import check_keys
@@ -351,7 +351,7 @@ def _check_sides(rule: Rule, side: Side, limit: Limit | None, *, is_reported: bo
         raise ConfigError(
             f"edit a limit: {rule.rule_id} would be left without any; give a {side}, or give the {other_side} first"
         )
-    if limit is None or other is None or not {limit.unit, other.unit} <= set(QUANTITIES[rule.quantity]):
+    if limit is None or other is None or not {limit.unit, other.unit} <= set(LIMIT_UNITS[rule.quantity]):
         return
     is_crossed = limit.exact > other.exact if side == "minimum" else limit.exact < other.exact
     if is_crossed:

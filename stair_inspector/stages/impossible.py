@@ -12,13 +12,33 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import BLURRED, IMPOSSIBLE, Examination, Flight, Note, Step, StepShape
 from stair_inspector.params import FlightsParams
+from stair_inspector.quantities import IN_TABLE, OF_STEP, Quantity, Reach
 from stair_inspector.stages.blurred import find_blurred
 from stair_inspector.stages.survey import Survey, statistics_of
 
-_OVER_NOSING = ("going_m", "going_lcr_m", "pitch_deg", "nosing_overhang_m")
+
+def _fields_of(*reaches: Reach) -> tuple[str, ...]:
+    """Return the fields of a step that hold quantities of these kinds, those on its lines too."""
+    chosen = [quantity for quantity in OF_STEP if quantity.reach in reaches]
+    on_lines = [quantity.lines_field for quantity in chosen if quantity.on_lines is not None]
+    return (*(quantity.field for quantity in chosen if quantity.field is not None), *on_lines)
+
+
+def _made_of(quantity: Quantity) -> tuple[str, ...]:
+    """Return the fields of a step that hold what is worked out from a quantity."""
+    return tuple(other.field for other in OF_STEP if quantity.name in other.made_of and other.field is not None)
+
+
+_OVER_NOSING = _fields_of("to_next")
 """What a step has from its own nosing to the next one."""
-_OF_NOSING = ("rise_m", "rise_lcr_m", "tread_depth_m", *_OVER_NOSING)
+_UP_TO_NOSING = _fields_of("from_below")
+"""What a step has from the nosing below to its own."""
+_OF_NOSING = (*_UP_TO_NOSING, *_fields_of("nosing"), *_OVER_NOSING)
 """What of a step hangs on its own nosing."""
+_POSITIVE = tuple(
+    quantity for quantity in IN_TABLE if quantity.unit == "m" and quantity.reach != "to_next" and quantity.field
+)
+"""Lengths that are none where they are not above zero; what runs to the next nosing is reviewed with that."""
 
 
 @dataclass(slots=True)
@@ -36,7 +56,7 @@ class _Lost:
         """Take out what hangs on the nosing of one step of a flight."""
         self.take(steps[k], *_OF_NOSING)
         self.take(steps[k - 1] if k else None, *_OVER_NOSING)
-        self.take(steps[k + 1] if k + 1 < len(steps) else None, "rise_m", "rise_lcr_m")
+        self.take(steps[k + 1] if k + 1 < len(steps) else None, *_UP_TO_NOSING)
 
 
 def take_out_impossible(
@@ -104,18 +124,20 @@ def _review_flight(steps: Sequence[Step], is_straight: bool, steepest_deg: float
         reason = _why_not(step, upper, is_straight, steepest_deg)
         if reason:
             why[k] = reason
-        for name, what in (("rise_m", "rise"), ("tread_depth_m", "depth"), ("width_m", "width")):
-            measured = getattr(step, name)
+        for quantity in _POSITIVE:
+            measured = quantity.of(step)
             if measured is not None and measured.value <= 0.0:
-                lost.take(step, name, *({"tread_depth_m": ("nosing_overhang_m",)}.get(name, ())))
-                message = f"step {step.step_id}: a {what} of {_mm(measured.value)} is none: its edges were mistaken"
+                lost.take(step, str(quantity.field), *_made_of(quantity))
+                message = (
+                    f"step {step.step_id}: a {quantity.head} of {_mm(measured.value)} is none: its edges were mistaken"
+                )
                 lost.notes.append(Note(IMPOSSIBLE, "impossible", message, step.step_id))
     goings = [step.going_m.value for k, step in enumerate(steps) if step.going_m is not None and k not in why]
     usual_m = float(np.median(goings)) if goings else priors.USUAL_GOING_M
     for k, reason in why.items():
         upper = steps[k + 1] if k + 1 < len(steps) else None
         lost.take(steps[k], *_OVER_NOSING)
-        lost.take(upper, "rise_m", "rise_lcr_m")
+        lost.take(upper, *_UP_TO_NOSING)
         for wrong in _mistaken(steps, k, why, usual_m):
             lost.take_nosing(steps, wrong)
             number = steps[wrong].step_id

@@ -1,46 +1,39 @@
 """One row for each step as CSV."""
 
 import csv
-import dataclasses
 import io
 from typing import Any
 
-from stair_inspector.content.records import LINES, values_on_lines
-from stair_inspector.model import (
-    SURVEY_VALUES,
-    Inspection,
-    Measured,
-    PaperValues,
-    Step,
-)
+from stair_inspector.model import Inspection, Step
+from stair_inspector.quantities import IN_FILES, LINES, ON_LINES, PAPER_QUANTITIES, with_above
 
 
 def csv_bytes(inspection: Inspection) -> bytes:
     """Return one row per step, lengths in millimetres and angles in degrees, the unit in each column's name."""
-    rows = [_step_to_row(step) for step in inspection.steps]
     stream = io.StringIO(newline="")
-    writer = csv.DictWriter(stream, CSV_COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(CSV_COLUMNS)
+    writer.writerows(_row_of(step, above) for step, above in with_above(inspection.steps))
     return stream.getvalue().encode("utf-8")
 
 
-def _step_to_row(step: Step) -> dict[str, Any]:
-    """Return a step's cells by column, lengths turned from metres to millimetres."""
+def _row_of(step: Step, above: Step | None) -> list[Any]:
+    """Return a step's cells in the order of the columns, lengths turned from metres to millimetres."""
     values: list[Any] = [step.step_id, step.flight, step.kind, step.plane.n_points, step.plane.rms_m]
-    values += dataclasses.astuple(step.paper)
-    for name in SURVEY_VALUES:
-        measured: Measured | None = getattr(step, name)
+    values += [quantity.of_paper(step.paper) for quantity in PAPER_QUANTITIES]
+    for quantity in IN_FILES:
+        measured = quantity.of(step, above)
         values += [None, None] if measured is None else [measured.value, measured.u]
-    values += [step.coverage, *values_on_lines(step.rise_lcr_m), *values_on_lines(step.going_lcr_m)]
-    return {
-        _column(name): _millimetres(value) if name.endswith("_m") else value
-        for name, value in zip(_QUANTITIES, values, strict=True)
-    }
+    values.append(step.coverage)
+    for quantity in ON_LINES:
+        values += quantity.lines_of(step)
+    return [
+        _millimetres(value) if name.endswith("_m") else value for name, value in zip(_SI_COLUMNS, values, strict=True)
+    ]
 
 
 def _column(name: str) -> str:
-    """Return a quantity's name in the table's unit: millimetres for metres."""
+    """Return a column's name in the table's unit: millimetres for metres."""
     return name.removesuffix("_m") + "_mm" if name.endswith("_m") else name
 
 
@@ -49,19 +42,14 @@ def _millimetres(value_m: float | None) -> float | None:
     return None if value_m is None else round(value_m * 1000.0, 6)
 
 
-def _with_uncertainty(name: str) -> tuple[str, str]:
-    stem, unit = name.rsplit("_", 1)
-    return name, f"{stem}_u_{unit}"
-
-
-_QUANTITIES = (
+_SI_COLUMNS = (
     *("step", "flight", "kind", "n_points", "rms_m"),
-    *(f"paper_{item.name}" for item in dataclasses.fields(PaperValues)),
-    *(column for name in SURVEY_VALUES for column in _with_uncertainty(name)),
+    *(f"paper_{quantity.column}" for quantity in PAPER_QUANTITIES),
+    *(column for each in IN_FILES for column in (each.column, f"{each.name}_u_{each.unit}")),
     "coverage",
-    *(f"{quantity}_{line}_m" for quantity in ("rise", "going") for line in LINES),
+    *(f"{each.name}_{line}_{each.unit}" for each in ON_LINES for line in LINES),
 )
 
 
-CSV_COLUMNS = [_column(name) for name in _QUANTITIES]
+CSV_COLUMNS = [_column(name) for name in _SI_COLUMNS]
 """Names of the CSV's columns, in order."""

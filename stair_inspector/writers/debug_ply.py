@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from stair_inspector.content.records import values_on_lines
 from stair_inspector.files.palettes import Palette, Rgb, read_palette
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.geometry.arrays import Floats
@@ -11,6 +10,7 @@ from stair_inspector.model import (
     Scan,
     Step,
 )
+from stair_inspector.quantities import GOING, RISE
 
 _EDGE_SPACING_M = 0.002
 
@@ -75,7 +75,7 @@ def _measuring_lines(step: Step, up: Floats) -> list[tuple[Floats, Floats]]:
     if step.line_points is None:
         return []
     lines = []
-    goings_m, rises_m = values_on_lines(step.going_lcr_m), values_on_lines(step.rise_lcr_m)
+    goings_m, rises_m = GOING.lines_of(step), RISE.lines_of(step)
     for point, going_m, rise_m in zip(step.line_points, goings_m, rises_m, strict=True):
         if going_m is not None and step.climb is not None:
             lines.append((point, point + going_m * step.climb))

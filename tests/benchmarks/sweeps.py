@@ -18,9 +18,10 @@ from stair_inspector.errors import StairError
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
 from stair_inspector.memo import Memo
-from stair_inspector.model import SURVEY_VALUES, Inspection, Scan
+from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.quantities import SURVEY_VALUES
 
 SWEPT: dict[str, tuple[float, ...]] = {
     "horizontal.theta_deg": (8.0, 11.0, 20.0, 25.0),

@@ -40,7 +40,7 @@ def test_the_survey_tells_value_uncertainty_and_coverage_flight_by_flight(page, 
     inspection = measured()
     assert page.by_id("steps").get_attribute("data-columns") == "survey"
     headline = page.by_id("flight-row").first.inner_text()
-    assert re.match(r"▾ ?Flight 1 · 5 risers · pitch [\d.]+° ± [\d.]+ · rise [\d.]+–[\d.]+", headline)
+    assert re.match(r"▾ ?Flight 1 · 5 risers · pitch [\d.]+ ± [\d.]+° · rise [\d.]+–[\d.]+", headline)
     rows = page.page.locator("[data-testid=step-row]")
     assert rows.count() == len(inspection.steps)
     shown = [mark.get_attribute("data-coverage") for mark in page.by_id("steps").locator("svg").all()]

@@ -20,7 +20,7 @@ from stair_inspector.content.fields import (
     read_basis,
 )
 from stair_inspector.content.images import Photo
-from stair_inspector.content.readings import FLIGHT_QUANTITIES, STEP_QUANTITIES, TapeReading
+from stair_inspector.content.readings import FLIGHT_READINGS, STEP_READINGS, TapeReading
 from stair_inspector.errors import ConfigError
 from tests.content.test_images import picture
 
@@ -180,7 +180,7 @@ def test_a_project_keeps_what_the_user_gave(folder):
         st.text(st.characters(codec="utf-8", exclude_categories=("Cc", "Zl", "Zp")).filter(is_plain_line), max_size=40),
     ),
     value=st.floats(0.0, 90.0, exclude_min=True),
-    quantity=st.sampled_from(sorted(STEP_QUANTITIES)),
+    quantity=st.sampled_from(sorted(STEP_READINGS)),
 )
 def test_any_basis_survives_a_project(texts, value, quantity):
     basis = ReportBasis(fields=ReportFields(**texts), readings=(TapeReading(quantity, value, step=1),))
@@ -218,6 +218,6 @@ def test_too_many_entries_are_refused():
 
 
 def test_every_quantity_has_a_unit():
-    assert set({**STEP_QUANTITIES, **FLIGHT_QUANTITIES}.values()) == {"m", "deg"}
+    assert set({**STEP_READINGS, **FLIGHT_READINGS}.values()) == {"m", "deg"}
     assert TapeReading("width", 1.2, flight=1).unit == "m"
     assert TapeReading("fall", 1.2, step=1).unit == "deg"

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stair_inspector.content.readings import STEP_QUANTITIES, TapeReading, parse_reading
+from stair_inspector.content.readings import STEP_READINGS, TapeReading, parse_reading
 from stair_inspector.errors import ConfigError
 
 
-@pytest.mark.parametrize("quantity", sorted(STEP_QUANTITIES))
+@pytest.mark.parametrize("quantity", sorted(STEP_READINGS))
 def test_only_what_has_a_direction_may_be_negative(quantity):
     if quantity in ("fall", "cross_fall", "nosing_overhang"):
         assert TapeReading(quantity, -0.01, step=1).value == -0.01
@@ -74,7 +74,7 @@ def test_a_reading_that_cannot_be_is_refused_as_it_was_written(written, unit, qu
     assert str(caught.value).startswith(message)
 
 
-@given(st.text(max_size=60), st.sampled_from(["m", "in", "deg", "%", "kg"]), st.sampled_from(sorted(STEP_QUANTITIES)))
+@given(st.text(max_size=60), st.sampled_from(["m", "in", "deg", "%", "kg"]), st.sampled_from(sorted(STEP_READINGS)))
 def test_any_text_is_a_reading_or_a_sentence(written, unit, quantity):
     with contextlib.suppress(ConfigError):
         assert math.isfinite(parse_reading(written, unit, quantity))

@@ -15,6 +15,7 @@ from stair_inspector.content.readings import TapeReading
 from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import Measured, Patch, Statistics
+from stair_inspector.quantities import quantity_of
 from tests.codes.flights import changed, even, flight_of, inspection_of, measured, step
 from tests.writers.samples import scanned
 
@@ -147,33 +148,33 @@ def test_stations_that_lie_farther_apart_than_was_stated_do_not_close():
 
 def test_the_sum_of_rises_is_known_as_well_as_its_two_ends():
     # One nosing has 1/sqrt(2) of the noise of a rise; the nosings between drop out.
-    total = values.flight_rise(inspection_of(even(10, u=0.0004)), flight_of(even(10)))
+    total = values.flight_value(inspection_of(even(10, u=0.0004)), flight_of(even(10)), "flight_rise")
     assert total.value == pytest.approx(1.65)
     assert total.u == pytest.approx(0.0004)
 
 
 def test_the_run_goes_from_the_first_nosing_to_the_last():
     steps = even(5)
-    run = values.flight_run(inspection_of(steps), flight_of(steps))
+    run = values.flight_value(inspection_of(steps), flight_of(steps), "flight_run")
     assert run.value == pytest.approx(4 * 0.29)
     lost = changed(steps, 2, going_m=None)
-    assert values.flight_run(inspection_of(lost), flight_of(lost)) is None
+    assert values.flight_value(inspection_of(lost), flight_of(lost), "flight_run") is None
 
 
 def test_the_diagonal_is_that_of_a_right_triangle_and_a_tilt_does_not_change_it():
     u = 0.001
     low = step(1, rise=0.16, going=Measured(0.4, 0.3 * u, (("up", 0.3 * u),)))
     high = step(2, rise=Measured(0.3, 0.4 * u, (("up", 0.4 * u),)))
-    diagonal = values.diagonal_m(low, high)
+    diagonal = quantity_of("diagonal").of(low, high)
     assert diagonal.value == pytest.approx(0.5)
     assert diagonal.u == pytest.approx(0.0, abs=1e-12)
-    noisy = values.diagonal_m(step(1, going=measured(0.4, u)), step(2, rise=measured(0.3, u)))
+    noisy = quantity_of("diagonal").of(step(1, going=measured(0.4, u)), step(2, rise=measured(0.3, u)))
     assert noisy.u == pytest.approx(u)
 
 
 def test_the_diagonal_ends_with_its_flight():
-    assert values.diagonal_m(step(1), step(2, flight=2)) is None
-    assert values.diagonal_m(step(1), None) is None
+    assert quantity_of("diagonal").of(step(1), step(2, flight=2)) is None
+    assert quantity_of("diagonal").of(step(1), None) is None
 
 
 def test_the_standard_deviation_is_that_of_the_values():

@@ -12,8 +12,9 @@ from stair_inspector.codes import Verdict, check
 from stair_inspector.content.records import inspection_to_dict
 from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
-from stair_inspector.model import SURVEY_VALUES, Observation
+from stair_inspector.model import Observation
 from stair_inspector.pipeline import inspect
+from stair_inspector.quantities import SURVEY_VALUES
 from stair_inspector.stages.withhold import withhold
 from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.debug_ply import debug_ply_bytes

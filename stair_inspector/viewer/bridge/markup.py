@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Rgb
+from stair_inspector.quantities import PaperQuantity, Quantity
 
 DIM = "light-dark(var(--mantine-color-gray-7), var(--mantine-color-dark-1))"
 """Of side notes in small letters; what the page calls dimmed is too pale for them."""
@@ -28,6 +29,11 @@ def text(value: object) -> str:
 def mm(value_m: float | None, digits: int = 1) -> str:
     """Return a length in millimetres, or a dash for what is not known."""
     return "–" if value_m is None else f"{value_m * 1000.0:.{digits}f}"
+
+
+def hint_of(quantity: Quantity | PaperQuantity) -> str:
+    """Return what a quantity is, as the hint over a column."""
+    return quantity.definition[:1].upper() + quantity.definition[1:]
 
 
 def chip(color: Rgb, width: int = 11, height: int = 11) -> str:

@@ -13,17 +13,16 @@ import numpy as np
 from stair_inspector.declarations import Knob
 from stair_inspector.errors import StairError
 from stair_inspector.memo import Memo
-from stair_inspector.model import Inspection, Measured, Scan
+from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.quantities import IN_TABLE, RISE, paper_value, with_above
 
+_SWEPT = tuple(quantity for quantity in IN_TABLE if quantity.unit == "m")
 SWEPT_QUANTITIES = {
     "n_steps": "Number of steps",
     "n_levels": "Number of levels",
-    "mean_rise_m": "Mean rise",
-    "mean_going_m": "Mean going",
-    "mean_depth_m": "Mean tread depth",
-    "mean_width_m": "Mean width",
+    **{f"mean_{quantity.column}": f"Mean {quantity.label}" for quantity in _SWEPT},
     "max_adjacent_rise_m": "Largest step to step, rise",
     "mean_u_rise_m": "Mean uncertainty of a rise (k = 2)",
 }
@@ -34,8 +33,6 @@ PLATEAU_M = 0.001
 _VALUES = 17
 _LOG_RATIO = 20.0
 """A range that spans this factor is swept by equal ratios, as eps_z from 1 to 100 mm."""
-_PAPER = {"rise": "h_m", "going": "d_ff_m", "depth": "d_fb_m", "width": "w_m"}
-_SURVEY = {"rise": "rise_m", "going": "going_m", "depth": "tread_depth_m", "width": "width_m"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,16 +162,15 @@ def _quantities(inspection: Inspection) -> dict[str, float | None]:
     is_paper = inspection.params.method == "paper"
     found: dict[str, float | None] = {"n_steps": len(inspection.steps), "n_levels": len(inspection.levels)}
     uncertainties = []
-    for name in _SURVEY:
-        values: list[float] = []
-        for step in inspection.steps:
-            value: Measured | float | None
-            value = getattr(step.paper, _PAPER[name]) if is_paper else getattr(step, _SURVEY[name])
-            if isinstance(value, Measured):
-                uncertainties += [value.u] if name == "rise" else []
-                value = value.value
-            values += [] if value is None else [value]
-        found[f"mean_{name}_m"] = float(np.mean(values)) if values else None
+    for quantity in _SWEPT:
+        values: list[float | None] = []
+        for step, above in with_above(inspection.steps):
+            measured = None if is_paper else quantity.of(step, above)
+            values.append(paper_value(step, quantity) if is_paper else None if measured is None else measured.value)
+            if quantity is RISE and measured is not None:
+                uncertainties.append(measured.u)
+        known = [value for value in values if value is not None]
+        found[f"mean_{quantity.column}"] = float(np.mean(known)) if known else None
     adjacent = [each.rise.max_adjacent for each in inspection.flights if each.rise is not None]
     found["max_adjacent_rise_m"] = max((value for value in adjacent if value is not None), default=None)
     found["mean_u_rise_m"] = float(np.mean(uncertainties)) if uncertainties else None

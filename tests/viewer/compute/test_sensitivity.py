@@ -90,9 +90,13 @@ def test_the_papers_quantities_are_taken_with_the_papers_method():
     by_value = {point.value: point.quantities for point in found.points}
     paper = inspect(SCAN, PARAMS.replaced("method", "paper"))
     depths = [step.paper.d_fb_m for step in paper.steps]
-    assert by_value[95.0]["mean_depth_m"] == pytest.approx(sum(depths) / len(depths))
+    assert by_value[95.0]["mean_tread_depth_m"] == pytest.approx(sum(depths) / len(depths))
     assert by_value[95.0]["mean_u_rise_m"] is None
-    assert by_value[51.0]["mean_depth_m"] < by_value[95.0]["mean_depth_m"] < by_value[100.0]["mean_depth_m"]
+    assert (
+        by_value[51.0]["mean_tread_depth_m"]
+        < by_value[95.0]["mean_tread_depth_m"]
+        < by_value[100.0]["mean_tread_depth_m"]
+    )
 
 
 def test_the_values_beside_the_present_one_come_first_and_each_is_told():

@@ -52,9 +52,9 @@ def test_the_labels_give_value_uncertainty_and_unit(inspection):
     dimensions = dimensions_of(inspection, inspection.steps[0], LIFT)
     assert [label.text for label in dimensions.labels] == [
         "going 280.0 ± 0.4 mm",
-        "tread depth 300.0 ± 12 mm",
+        "tread depth 300 ± 12 mm",
         "rise 170.1 ± 0.4 mm",
-        "width 1000.0 ± 0.04 mm",
+        "width 1000.00 ± 0.04 mm",
     ]
 
 

@@ -10,7 +10,7 @@ import viser
 from stair_inspector.codes.rules import LENGTH_UNITS
 from stair_inspector.content.cells import QUANTITY_WORDS
 from stair_inspector.content.fields import FIELD_GROUPS, Checklist, ReportBasis, ReportFields
-from stair_inspector.content.readings import FLIGHT_QUANTITIES, ON_A_LINE, STEP_QUANTITIES, Line
+from stair_inspector.content.readings import FLIGHT_READINGS, ON_A_LINE, STEP_READINGS, Line
 from stair_inspector.viewer.bridge.notices import from_page, orders_from_page
 
 Part = Literal["fields", "checklist"]
@@ -20,7 +20,7 @@ DRAWINGS = ("Plan DXF", "Section DXF")
 PAPERS = {"A4": "a4", "US Letter": "us-letter"}
 READING_QUANTITIES = {
     kind: {QUANTITY_WORDS[name]: name for name in names}
-    for kind, names in (("step", STEP_QUANTITIES), ("flight", FLIGHT_QUANTITIES))
+    for kind, names in (("step", STEP_READINGS), ("flight", FLIGHT_READINGS))
 }
 """What can be read by hand of a step and of a flight, by the words of the menu."""
 NO_PLACE = "no step yet"
@@ -123,7 +123,7 @@ class ReportFolder:
         known = READING_QUANTITIES.get(kind, READING_QUANTITIES["step"])
         _offer(self.quantity, tuple(known))
         name = known.get(str(self.quantity.value), "")
-        units = LENGTH_UNITS if {**STEP_QUANTITIES, **FLIGHT_QUANTITIES}.get(name) == "m" else _ANGLE_UNITS
+        units = LENGTH_UNITS if {**STEP_READINGS, **FLIGHT_READINGS}.get(name) == "m" else _ANGLE_UNITS
         self._last_units[tuple(self.unit.options)] = str(self.unit.value)
         _offer(self.unit, units, self._last_units.get(units))
         self.line.visible = name in ON_A_LINE

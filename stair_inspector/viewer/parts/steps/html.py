@@ -15,11 +15,13 @@ from stair_inspector.model import Inspection, Step, Up
 from stair_inspector.params import Params
 from stair_inspector.pictures.display import REJECTED_COLOR
 from stair_inspector.pictures.legends import CENTRE, line_entries
-from stair_inspector.units import Unit, tidy
+from stair_inspector.quantities import SHOWN_OF_PAPER
+from stair_inspector.units import Unit, number_text, shown_in, tidy
 from stair_inspector.viewer.bridge.markup import (
     DIM,
     LINE,
     chip,
+    hint_of,
     mm,
     press_attribute,
     row_start,
@@ -38,11 +40,7 @@ Columns = Literal["survey", "paper"]
 COLUMNS: tuple[Columns, ...] = ("survey", "paper")
 _PAPER_COLUMNS = (
     ("#", "", "Step, from bottom to top"),
-    ("h", "mm", "Height from this centroid to the next: (c_k+1 - c_k) · u"),
-    ("d_FB", "mm", "Depth front to back: f_k - b_k"),
-    ("d_FF", "mm", "Depth front to front: |f_k+1 - f_k|"),
-    ("W", "mm", "Width between the side edges"),
-    ("θ", "°", "Slope from this centroid to the next against the plane"),
+    *((each.symbol, each.display.unit, hint_of(each)) for each in SHOWN_OF_PAPER),
     ("points", "", "Points of the level"),
     ("RMS", "mm", "Root mean square distance of the points from their plane; it is not the accuracy"),
 )
@@ -348,7 +346,8 @@ def _timings(timings_s: Mapping[str, float]) -> str:
 
 
 def _floor_row(floor: PlaneFit, h_m: float | None, palette: Palette) -> str:
-    cells = [mm(h_m), "", "", "", "", f"{floor.n_points:,}", mm(floor.rms_m, 2)]
+    blanks = [""] * (len(SHOWN_OF_PAPER) - 1)
+    cells = [mm(h_m), *blanks, f"{floor.n_points:,}", mm(floor.rms_m, 2)]
     body = "".join(f'<td style="text-align:right;padding:2px 6px">{cell}</td>' for cell in cells)
     return (
         f'<tr data-testid="floor-row" style="border-bottom:1px solid {LINE};color:{DIM}">'
@@ -373,13 +372,11 @@ def _paper_rows(
 
 
 def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str | None, mark: StepMark | None) -> str:
-    paper = step.paper
     cells = [
-        mm(paper.h_m),
-        mm(paper.d_fb_m),
-        mm(paper.d_ff_m),
-        mm(paper.w_m),
-        "–" if paper.theta_deg is None else f"{paper.theta_deg:.2f}",
+        *(
+            number_text(each.of_paper(step.paper), shown_in(each.unit, "mm"), 1 if each.unit == "m" else 2)
+            for each in SHOWN_OF_PAPER
+        ),
         f"{step.plane.n_points:,}",
         mm(step.plane.rms_m, 2),
     ]

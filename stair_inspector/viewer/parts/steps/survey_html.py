@@ -1,7 +1,7 @@
 """The survey's part of the side table, the card of the chosen step and the list of rejected surfaces, as HTML."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from stair_inspector.content.remarks import on_page
 from stair_inspector.files.palettes import Palette, Rgb
@@ -9,22 +9,36 @@ from stair_inspector.model import NO_NOSING, Flight, Inspection, Measured, Note,
 from stair_inspector.pictures.coloring import rejected_of
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.segmentation import MOST_REJECTED, SURFACE
+from stair_inspector.quantities import (
+    COMPARED,
+    IN_TABLE,
+    LINES,
+    ON_CARD,
+    ON_LINES,
+    Quantity,
+    Reach,
+    with_above,
+)
 from stair_inspector.stability import words_about
 from stair_inspector.units import (
+    NOT_KNOWN,
     Shown,
     Unit,
+    difference_text,
+    is_finer_than_a_fraction,
     length_text,
     measured_text,
     number_text,
     parts_text,
-    u_text,
-    uncertainty_text,
+    shown_in,
+    value_and_u,
 )
 from stair_inspector.viewer.bridge.markup import (
     DIM,
     FLIGHT,
     LINE,
     chip,
+    hint_of,
     mm,
     pick_script,
     press_attribute,
@@ -38,16 +52,10 @@ NOT_OBSERVED = "not defined for this step, or not observed"
 WITHHELD = "withheld until the question about the scan is answered"
 LAST_OF_FLIGHT = "the last step of its flight has none"
 _TREAD_MISSING = "tread_missing"
-_WORDS = {"depth": ("back",), "overhang": ("back", "depth"), "width": ("side",), "pitch": ("going",)}
-"""What the notes about a quantity may speak of instead of it."""
 
 COLUMNS = (
     ("#", "", "Step, from bottom to top"),
-    ("rise", "mm", "Vertical, from the nosing below to this nosing, on the centre line"),
-    ("going", "mm", "Horizontal, square to the edge, from this nosing to the next, on the centre line"),
-    ("depth", "mm", "Tread depth: from the nosing to the face of the riser above, or to the tread's back edge"),
-    ("width", "mm", "Between the side edges of the tread; not the clear width between handrails"),
-    ("pitch", "°", "Angle of the line from this nosing to the next"),
+    *((each.head, each.display.unit, hint_of(each)) for each in IN_TABLE),
     ("RMS", "mm", "Root mean square distance of the points from their plane, in mm; it is not the accuracy"),
     ("cov.", "", "Coverage: share of the tread that has points"),
 )
@@ -79,6 +87,7 @@ def survey_rows(
     """Return the rows of the survey's table: for each flight its headline, then, unless folded, a row for each step."""
     marks = marks or {}
     rows = []
+    above = {step.step_id: other for step, other in with_above(inspection.steps)}
     for flight, steps in _by_flight(inspection):
         is_folded = flight is not None and flight.flight_id in folded
         if flight is not None:
@@ -91,6 +100,7 @@ def survey_rows(
                 _step_row(
                     inspection,
                     step,
+                    above.get(step.step_id),
                     palette,
                     step.step_id == selected,
                     pick_uuid,
@@ -167,15 +177,15 @@ def notes_of(inspection: Inspection, step_id: int) -> list[Note]:
 
 
 def flight_text(flight: Flight) -> str:
-    """Return a flight's headline: ``Flight 1 · 9 risers · pitch 31.2° ± 0.3``."""
+    """Return a flight's headline: ``Flight 1 · 9 risers · pitch 31.2 ± 0.3°``."""
     parts = [f"Flight {flight.flight_id}"]
     if flight.shape != "straight":
         parts.append(flight.shape)
     if flight.radius_m is not None:
-        parts.append(f"radius {flight.radius_m.value:.2f} m ± {u_text(flight.radius_m.u)}")
+        parts.append(f"radius {measured_text(flight.radius_m, 'm', 2)}")
     parts.append(f"{flight.n_risers} riser{'' if flight.n_risers == 1 else 's'}")
     if flight.pitch_deg is not None:
-        parts.append(f"pitch {flight.pitch_deg.value:.1f}° ± {u_text(flight.pitch_deg.u)}")
+        parts.append(f"pitch {measured_text(flight.pitch_deg, '°')}")
     if flight.goes_on is not None:
         parts.append(f"goes on: {flight.goes_on}")
     return " · ".join(parts)
@@ -193,12 +203,12 @@ def range_text(name: str, statistics: Statistics | None, unit: Unit = "mm") -> s
 
 def _worst_words(statistics: Statistics, unit: Unit) -> str:
     low, high = statistics.at or (0, 0)
-    return f"largest step to step {length_text(statistics.max_adjacent, unit)} ({low}→{high})"
+    return f"largest step to step {difference_text(statistics.max_adjacent or 0.0, unit)} ({low}→{high})"
 
 
 def _worst_of(flight: Flight | None) -> dict[str, Statistics]:
     """Return for rise and going the statistics that name the two neighbours which differ most."""
-    found = {"rise": flight.rise, "going": flight.going} if flight is not None else {}
+    found = {each.name: each.statistics_of(flight) for each in COMPARED} if flight is not None else {}
     return {name: each for name, each in found.items() if each is not None and each.at is not None}
 
 
@@ -246,6 +256,7 @@ def _mean(name: str, statistics: Statistics | None, unit: Unit) -> str:
 def _step_row(
     inspection: Inspection,
     step: Step,
+    above: Step | None,
     palette: Palette,
     is_selected: bool,
     pick_uuid: str | None,
@@ -258,17 +269,19 @@ def _step_row(
         is_worst = statistics is not None and step.step_id in (statistics.at or ())
         return f"the {name}'s {_worst_words(statistics, unit)}" if statistics is not None and is_worst else ""
 
-    def moves(name: str) -> str:
-        return words_about(inspection, step.step_id, name)
-
     cells = [
-        _cell(step.rise_m, unit, _why(inspection, step, "rise"), moves("rise"), ("rise", worst_words("rise"))),
-        _cell(step.going_m, unit, _why(inspection, step, "going"), moves("going"), ("going", worst_words("going"))),
-        _cell(step.tread_depth_m, unit, _why(inspection, step, "depth"), moves("tread depth")),
-        _cell(step.width_m, unit, _why(inspection, step, "width"), moves("width")),
-        _cell(step.pitch_deg, "°", _why(inspection, step, "pitch"), moves("pitch")),
+        _cell(
+            quantity.of(step, above),
+            shown_in(quantity.unit, unit),
+            _why(inspection, step, quantity),
+            words_about(inspection, step.step_id, quantity),
+            (quantity.name, worst_words(quantity.name)),
+        )
+        for quantity in IN_TABLE
+    ]
+    cells += [
         f'<td style="{_CELL}">{mm(step.plane.rms_m, 2)}</td>',
-        f'<td style="{_CELL}">{_coverage(step.coverage, _why(inspection, step, "coverage"))}</td>',
+        f'<td style="{_CELL}">{_coverage(step.coverage, _why_missing(inspection, step, "tread", ("coverage",)))}</td>',
     ]
     name = f' <div style="font-size:10px;color:{DIM}">landing</div>' if step.kind == "landing" else ""
     return (
@@ -292,7 +305,11 @@ def _cell(measured: Measured | None, unit: Shown, why: str, moves: str = "", wor
     if measured is None:
         return f'<td title="{text(why)}" style="{_CELL}">–{small}</span></td>'
     hint = f"{measured_text(measured, unit)} (k = 2): {parts_text(measured, unit)}"
-    value, u = number_text(measured.value, unit), uncertainty_text(measured.u, unit)
+    value, u = value_and_u(measured, unit)
+    u = f"±{u}"
+    if unit == "in":
+        u = f"{value} {u}" if is_finer_than_a_fraction(measured.u) else u
+        value = number_text(measured.value, unit)
     name, words = worst
     if words:
         value = (
@@ -303,25 +320,30 @@ def _cell(measured: Measured | None, unit: Shown, why: str, moves: str = "", wor
         # Something is in doubt that u does not hold.
         style = f"border-bottom:2px dotted {_WORST}"
         value = f'<span data-testid="unsettled" title="{text(moves)}" style="{style}">{value}</span>'
-    return f'<td title="{text(hint)}" style="{_CELL}">{value}{small}±{u}</span></td>'
+    return f'<td title="{text(hint)}" style="{_CELL}">{value}{small}{u}</span></td>'
 
 
-def _why(inspection: Inspection, step: Step, quantity: str) -> str:
-    """Return why a quantity of a step is missing: the notes about it, and never one about another quantity."""
+def _why(inspection: Inspection, step: Step, quantity: Quantity) -> str:
+    """Return why a quantity of a step is missing."""
+    return _why_missing(inspection, step, quantity.reach, quantity.note_words)
+
+
+def _why_missing(inspection: Inspection, step: Step, reach: Reach, words: Sequence[str]) -> str:
+    """Return the notes that speak of a value with one of these words, and never one about another quantity."""
     if inspection.is_withheld:
         return WITHHELD
-    from_here_up = quantity in ("going", "pitch")
+    from_here_up = reach in ("to_next", "both")
+    from_below = reach in ("from_below", "both")
     about = []
     for note in inspection.notes:
         if note.code == _TREAD_MISSING:
             # It is told of the step above the gap, whose rise it takes, with the going of the step below.
-            concerns = note.step == step.step_id + from_here_up and (from_here_up or quantity == "rise")
+            concerns = (from_here_up and note.step == step.step_id + 1) or (from_below and note.step == step.step_id)
         elif note.code in NO_NOSING:
             # An edge that is none takes its step's values, the going up to it and the rise over it.
-            beside = 1 if from_here_up else -1 if quantity == "rise" else 0
-            concerns = note.step in (step.step_id, step.step_id + beside)
+            low, high = step.step_id - from_below, step.step_id + from_here_up
+            concerns = note.step is not None and low <= note.step <= high
         else:
-            words = (quantity, *_WORDS.get(quantity, ()))
             concerns = note.step == step.step_id and any(word in note.code or word in note.message for word in words)
         about += [note.message] if concerns else []
     if not about and from_here_up and any(flight.step_ids[-1:] == (step.step_id,) for flight in inspection.flights):
@@ -353,23 +375,20 @@ def _coverage(share: float | None, why: str) -> str:
 def _lines_table(inspection: Inspection, step: Step, unit: Unit) -> str:
     """Return rise and going on the three measuring lines, the centre with its uncertainty."""
     head = "".join(
-        f'<th style="text-align:right;font-weight:400;color:{DIM};padding:2px 0 0 10px">{name}</th>'
-        for name in ("left", "centre", "right")
+        f'<th style="text-align:right;font-weight:400;color:{DIM};padding:2px 0 0 10px">{name}</th>' for name in LINES
     )
     rows = []
-    for name, lcr, measured in (
-        ("rise", step.rise_lcr_m, step.rise_m),
-        ("going", step.going_lcr_m, step.going_m),
-    ):
-        why = _why(inspection, step, name)
-        left, _, right = lcr if lcr is not None else (None, None, None)
-        _, centre, hint = _fact(name, measured, unit, why)
+    for quantity in ON_LINES:
+        name, shown = quantity.label, shown_in(quantity.unit, unit)
+        why = _why(inspection, step, quantity)
+        left, _, right = quantity.lines_of(step)
+        centre, hint = _fact(quantity.of(step), shown, why)
         cells = "".join(
             f'<td style="text-align:right;padding-left:10px" title="{text(title)}">{value}</td>'
             for value, title in (
-                (number_text(left, unit), why if left is None else unit),
+                (number_text(left, shown), why if left is None else shown),
                 (centre, hint),
-                (number_text(right, unit), why if right is None else unit),
+                (number_text(right, shown), why if right is None else shown),
             )
         )
         rows.append(f'<tr data-testid="card-{name}"><td style="color:{DIM}">{name}</td>{cells}</tr>')
@@ -383,13 +402,16 @@ def _facts(inspection: Inspection, step: Step, unit: Unit) -> str:
     """Return the other values as pairs of name and value, two to a line."""
     coverage = "–" if step.coverage is None else f"{100.0 * step.coverage:.0f} %"
     rms = "–" if step.plane.rms_m is None else f"{mm(step.plane.rms_m, 2)} mm"
+    above = next((other for below, other in with_above(inspection.steps) if below is step), None)
     facts = [
-        _fact("tread depth", step.tread_depth_m, unit, _why(inspection, step, "depth")),
-        _fact("overhang", step.nosing_overhang_m, unit, _why(inspection, step, "overhang")),
-        _fact("width", step.width_m, unit, _why(inspection, step, "width")),
-        _fact("pitch", step.pitch_deg, "°", _why(inspection, step, "pitch")),
-        _fact("fall", step.fall_deg, "°", _why(inspection, step, "fall"), 2),
-        _fact("cross-fall", step.cross_fall_deg, "°", _why(inspection, step, "fall"), 2),
+        *(
+            (
+                each.label,
+                *_fact(each.of(step, above), shown_in(each.unit, unit), _why(inspection, step, each)),
+            )
+            for each in ON_CARD
+            if each.on_lines is None
+        ),
         ("coverage", coverage, "Share of the tread that has points"),
         ("points", f"{step.plane.n_points:,}", "Points of the tread"),
         ("RMS", rms, "Of the points' distances from their plane; it is not the accuracy"),
@@ -405,7 +427,8 @@ def _facts(inspection: Inspection, step: Step, unit: Unit) -> str:
     )
 
 
-def _fact(name: str, measured: Measured | None, unit: Shown, why: str, digits: int = 1) -> tuple[str, str, str]:
+def _fact(measured: Measured | None, unit: Shown, why: str) -> tuple[str, str]:
+    """Return a value with its uncertainty, and what that is made of or why there is none."""
     if measured is None:
-        return name, "–", why
-    return name, measured_text(measured, unit, digits), parts_text(measured, unit)
+        return NOT_KNOWN, why
+    return measured_text(measured, unit), parts_text(measured, unit)

@@ -11,37 +11,24 @@ import numpy as np
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Ints
-from stair_inspector.model import Inspection, Measured, Statistics, Step
+from stair_inspector.model import Inspection, Statistics, Step
 from stair_inspector.params import SETTINGS, Params
-from stair_inspector.units import NOT_KNOWN, Shown, Unit, number_text, signed_text, uncertainty_text
+from stair_inspector.quantities import COMPARED, IN_TABLE, SHOWN_OF_PAPER, is_si_unit, with_above
+from stair_inspector.units import NOT_KNOWN, Shown, Unit, number_text, shown_in, signed_text, uncertainty_text
 from stair_inspector.viewer.bridge.controls import value_words
-from stair_inspector.viewer.bridge.markup import DIM, LINE, table_head, text
+from stair_inspector.viewer.bridge.markup import DIM, LINE, hint_of, table_head, text
 
 _LEAST_SHARE = 0.1
 """Two steps are the same one when they share at least this part of the smaller one's points."""
-_SURVEY = {
-    "rise_m": ("rise", "Vertical, from the nosing below to this nosing"),
-    "going_m": ("going", "Horizontal, square to the edge, from this nosing to the next"),
-    "tread_depth_m": ("depth", "Tread depth: from the nosing to the riser above, or to the tread's back edge"),
-    "width_m": ("width", "Between the side edges of the tread"),
-    "pitch_deg": ("pitch", "Angle of the line from this nosing to the next"),
-}
-_PAPER = {
-    "h_m": ("h", "Height from this step's centroid to the next one's"),
-    "d_fb_m": ("d_FB", "From the front edge to the back edge"),
-    "d_ff_m": ("d_FF", "From this front edge to the next"),
-    "w_m": ("W", "Between the side edges"),
-    "theta_deg": ("θ", "Angle from this centroid to the next"),
-}
+_SURVEY = {each.column: (each.head, hint_of(each)) for each in IN_TABLE}
+_PAPER = {each.column: (each.symbol, hint_of(each)) for each in SHOWN_OF_PAPER}
+_N_MEANS = 2
+"""Of so many quantities, the first of the columns, the summary has the mean."""
 _SUMMARY = {
     "steps": "Steps",
     "flights": "Flights",
-    "mean_rise_m": "Mean rise",
-    "mean_going_m": "Mean going",
-    "max_adjacent_rise_m": "Largest step to step, rise",
-    "max_adjacent_going_m": "Largest step to step, going",
-    "mean_h_m": "Mean h",
-    "mean_d_fb_m": "Mean d_FB",
+    **{f"mean_{name}": f"Mean {head}" for name, (head, _) in {**_SURVEY, **_PAPER}.items()},
+    **{f"max_adjacent_{each.column}": f"Largest step to step, {each.label}" for each in COMPARED},
 }
 _CELL = "text-align:right;padding:2px 4px;white-space:nowrap"
 
@@ -116,12 +103,13 @@ def compare(a: Inspection, b: Inspection) -> Comparison:
         raise ConfigError(f"compare: {a.scan.name} and {b.scan.name} are different scans; choose a run of this scan")
     is_survey = "paper" not in (a.params.method, b.params.method)
     names = tuple(_SURVEY if is_survey else _PAPER)
-    steps_a = {step.step_id: step for step in a.steps}
-    steps_b = {step.step_id: step for step in b.steps}
+    steps_a, steps_b = ({pair[0].step_id: pair for pair in with_above(each.steps)} for each in (a, b))
     rows = []
     for step_a, step_b in _in_order(list(steps_a), list(steps_b), _same_steps(a, b)):
-        first = _values(steps_a.get(step_a or 0), names, is_survey=is_survey)
-        second = _values(steps_b.get(step_b or 0), names, is_survey=is_survey)
+        first, second = (
+            _values(steps.get(number or 0), is_survey=is_survey)
+            for steps, number in ((steps_a, step_a), (steps_b, step_b))
+        )
         pairs = zip(names, first, second, strict=True)
         rows.append(ComparedStep(step_a, step_b, tuple(Difference(n, x, y, u, v) for n, (x, u), (y, v) in pairs)))
     return Comparison(is_survey, tuple(rows), _summary(a, b, names, rows), _changed(a.params, b.params))
@@ -193,13 +181,14 @@ def _in_order(ids_a: Sequence[int], ids_b: Sequence[int], same: dict[int, int]) 
     return pairs + [(None, step_b) for step_b in rest]
 
 
-def _values(step: Step | None, names: Sequence[str], *, is_survey: bool) -> list[tuple[float | None, float | None]]:
-    """Return value and uncertainty of each quantity of a step."""
-    if step is None:
-        return [(None, None)] * len(names)
+def _values(found: tuple[Step, Step | None] | None, *, is_survey: bool) -> list[tuple[float | None, float | None]]:
+    """Return value and uncertainty of each quantity of a step, given with the one above it."""
+    if found is None:
+        return [(None, None)] * len(_SURVEY if is_survey else _PAPER)
+    step, above = found
     if not is_survey:
-        return [(getattr(step.paper, name), None) for name in names]
-    measured: list[Measured | None] = [getattr(step, name) for name in names]
+        return [(quantity.of_paper(step.paper), None) for quantity in SHOWN_OF_PAPER]
+    measured = [quantity.of(step, above) for quantity in IN_TABLE]
     return [(None, None) if each is None else (each.value, each.u) for each in measured]
 
 
@@ -211,13 +200,14 @@ def _summary(
         counts.append(Difference("flights", len(a.flights), len(b.flights)))
     means = [
         Difference(f"mean_{name}", _mean([row.values[k].a for row in rows]), _mean([row.values[k].b for row in rows]))
-        for k, name in enumerate(names[:2])
+        for k, name in enumerate(names[:_N_MEANS])
     ]
     worst = [
         Difference(
-            f"max_adjacent_{name}_m", *(_worst([getattr(flight, name) for flight in each.flights]) for each in (a, b))
+            f"max_adjacent_{quantity.column}",
+            *(_worst([quantity.statistics_of(flight) for flight in each.flights]) for each in (a, b)),
         )
-        for name in ("rise", "going")
+        for quantity in COMPARED
     ]
     return (*counts, *means, *(worst if names[0] in _SURVEY else ()))
 
@@ -293,7 +283,8 @@ def _step_cell(value: Difference, unit: Unit) -> str:
 
 def _shown(name: str, unit: Unit) -> Shown | None:
     """Return the unit a quantity is shown in, None for a count."""
-    return "°" if name.endswith("_deg") else unit if name.endswith("_m") else None
+    si_unit = name.rpartition("_")[2]
+    return shown_in(si_unit, unit) if is_si_unit(si_unit) else None
 
 
 def _number(name: str, value: float | None, unit: Unit) -> str:

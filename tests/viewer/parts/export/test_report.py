@@ -12,7 +12,7 @@ from PIL import Image
 from stair_inspector.codes.rules import LENGTH_UNITS
 from stair_inspector.content.cross_checks import readings_table
 from stair_inspector.content.images import read_photo
-from stair_inspector.content.readings import STEP_QUANTITIES
+from stair_inspector.content.readings import STEP_READINGS
 from stair_inspector.content.texts import LONGEST_TEXT
 from stair_inspector.errors import ConfigError
 from stair_inspector.viewer.bridge.markup import list_key
@@ -135,10 +135,10 @@ def test_a_reading_that_cannot_be_is_refused_as_it_was_written(page, written, wo
 
 def test_the_menus_offer_what_can_be_read_at_the_place_and_in_which_units(page):
     folder = page.session.panel.export.report
-    assert len(folder.quantity.options) == len(STEP_QUANTITIES)
+    assert len(folder.quantity.options) == len(STEP_READINGS)
     assert folder.line.visible
     choose(page, folder.place, "flight 1")
-    assert folder.quantity.options == (TOTAL_RISE, "total run", "pitch", "tread width")
+    assert folder.quantity.options == (TOTAL_RISE, "total run", "tread width", "pitch")
     assert folder.quantity.value == TOTAL_RISE
     assert not folder.line.visible
     choose(page, folder.quantity, "pitch")

@@ -53,7 +53,7 @@ def tidy(cells):
 def test_every_row_has_value_and_uncertainty_of_its_step(inspection):
     rows = rows_of(survey_table(inspection))
     assert len(rows) == 5
-    assert tidy(rows[0])[:6] == ["1", "170.1 ±0.4", "280.0 ±0.4", "300.0 ±12", "1000.0 ±0.04", "31.3 ±0.1"]
+    assert tidy(rows[0])[:6] == ["1", "170.1 ±0.4", "280.0 ±0.4", "300 ±12", "1000.00 ±0.04", "31.3 ±0.1"]
     for step, row in zip(inspection.steps, rows, strict=True):
         assert tidy(row)[1] == f"{step.rise_m.value * 1000.0:.1f} ±0.4"
 
@@ -114,7 +114,7 @@ def test_a_value_of_the_table_says_what_its_uncertainty_is_made_of(inspection):
     source = survey_table(inspection)
     assert titles_of(source, 1)[0] == "170.1 ± 0.4 mm (k = 2): noise 0.2, edge 0.3, up 0.1 mm"
     assert titles_of(source, 5)[0] == "31.3 ± 0.1° (k = 2): noise 0.1, up 0.06°"
-    assert titles_of(source, 4)[0] == "1000.0 ± 0.04 mm (k = 2): parts not stated"
+    assert titles_of(source, 4)[0] == "1000.00 ± 0.04 mm (k = 2): parts not stated"
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,7 @@ def test_the_headline_of_a_flight_stands_before_its_steps(inspection):
     kinds = [row["data-testid"] for row in page.of("tr") if "data-testid" in row]
     assert kinds == ["flight-row", *["step-row"] * 5]
     assert " ".join(page.rows[1][0].split()) == (
-        "Flight 1 · 5 risers · pitch 31.2° ± 0.3 · rise 168.0–171.2, largest step to step 3.1 mm (4→5)"
+        "Flight 1 · 5 risers · pitch 31.2 ± 0.3° · rise 168.0–171.2, largest step to step 3.1 mm (4→5)"
     )
     hint = next(cell["title"] for cell in page.of("td") if "colspan" in cell)
     assert "going 279.5–281.0, largest step to step 1.2 mm (1→2)" in hint
@@ -187,7 +187,7 @@ def test_a_headline_names_the_radius_of_a_curve_and_what_is_seen_beyond(inspecti
     curved = dataclasses.replace(flight, pitch_deg=None, shape="curved", radius_m=Measured(4.003, 0.02))
     going_on = dataclasses.replace(flight, pitch_deg=None, goes_on="5 risers measured; about 3 more are seen above: x")
     assert flight_text(going_on).endswith("5 risers · goes on: 5 risers measured; about 3 more are seen above: x")
-    assert flight_text(curved) == "Flight 1 · curved · radius 4.00 m ± 0.02 · 5 risers"
+    assert flight_text(curved) == "Flight 1 · curved · radius 4.00 ± 0.02 m · 5 risers"
 
 
 def test_rows_of_the_survey_are_chosen_like_those_of_the_paper(inspection):
@@ -225,9 +225,9 @@ def test_the_card_has_every_value_of_the_chosen_step(inspection):
     ]
     step = inspection.steps[0]
     facts = [
-        "tread depth300.0 ± 12 mm",
+        "tread depth300 ± 12 mm",
         "overhang20.0 ± 0.4 mm",
-        "width1000.0 ± 0.04 mm",
+        "width1000.00 ± 0.04 mm",
         "pitch31.3 ± 0.1°",
         "cross-fall-0.25 ± 0.05°",
         "fall0.00 ± 0.05°",

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.stats import studentized_range
 
-from stair_inspector.codes.quantities import difference, spread, spread_quantile, step_value, total
+from stair_inspector.measured import difference, spread, spread_quantile, total
 from stair_inspector.model import Measured
+from stair_inspector.quantities import step_value
 from tests.codes.flights import measured, step
 
 SIGMA = 0.001

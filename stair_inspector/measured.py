@@ -1,7 +1,6 @@
-"""What a rule is about: the quantities of steps and flights with their uncertainties, in SI units.
+"""Arithmetic with measured values: differences, sums and spreads, each with its expanded uncertainty (k = 2).
 
-Lengths are metres, angles degrees, slopes tangents. Every ``Measured`` here carries its expanded uncertainty (k = 2)
-and its parts. The parts of :mod:`stages.doubt` fall into two kinds:
+Lengths are metres, angles degrees, slopes tangents. The parts of an uncertainty (:mod:`stages.doubt`) are of two kinds:
 
 - ``noise``, ``edge``, ``resolution``, ``layers`` and ``registration`` belong to single surfaces and nosings:
   independent from place to place, so they add as squares; two values that share a nosing share its part;
@@ -13,36 +12,13 @@ import math
 from collections.abc import Sequence
 from statistics import NormalDist
 
-from stair_inspector.model import Measured, Step
+from stair_inspector.model import Measured
 
 OWN_PARTS = ("noise", "edge", "resolution", "layers", "registration")
 """Parts that are independent from nosing to nosing."""
 COMMON_PARTS = ("up", "scale")
 """Parts that are one error of the whole scan."""
 _K = 2.0
-_ALL_ROUND = math.sqrt(-2.0 * math.log(0.05)) / _K
-"""A circle that holds 95 % of a normal error in two directions, in expanded uncertainties (k = 2) of one."""
-
-
-def step_value(step: Step, quantity: str) -> Measured | None:
-    """Return a quantity of one step, None where it was not measured or is not :func:`usable`.
-
-    ``two_r_plus_g`` is twice the rise to the step and its going; the slope of a tread or landing is that in its
-    steepest direction.
-    """
-    if quantity == "two_r_plus_g":
-        return _two_r_plus_g(step)
-    if quantity in ("tread_slope", "landing_slope"):
-        return _steepest(step)
-    values = {
-        "rise": step.rise_m,
-        "going": step.going_m,
-        "tread_depth": step.tread_depth_m,
-        "width": step.width_m,
-        "nosing_overhang": step.nosing_overhang_m,
-        "pitch": step.pitch_deg,
-    }
-    return usable(values[quantity])
 
 
 def usable(measured: Measured | None) -> Measured | None:
@@ -65,33 +41,6 @@ def combined(value: float, parts: dict[str, float]) -> Measured:
     """Return a value whose uncertainty is the root of the sum of the squares of expanded parts."""
     named = tuple((name, part) for name, part in parts.items() if part > 0.0)
     return Measured(value, math.sqrt(sum(part * part for _, part in named)), named)
-
-
-def _two_r_plus_g(step: Step) -> Measured | None:
-    rise, going = usable(step.rise_m), usable(step.going_m)
-    if rise is None or going is None:
-        return None
-    parts = {name: math.hypot(2.0 * part_of(rise, name), part_of(going, name)) for name in OWN_PARTS}
-    # A tilt that makes the rises larger makes the goings smaller.
-    parts["up"] = abs(2.0 * part_of(rise, "up") - part_of(going, "up"))
-    parts["scale"] = 2.0 * part_of(rise, "scale") + part_of(going, "scale")
-    return combined(2.0 * rise.value + going.value, parts)
-
-
-def _steepest(step: Step) -> Measured | None:
-    """Return the slope in the steepest direction, a tangent, from the slopes along and across the climb."""
-    fall, cross_fall = usable(step.fall_deg), usable(step.cross_fall_deg)
-    if fall is None or cross_fall is None:
-        return None
-    along, across = (math.tan(math.radians(angle.value)) for angle in (fall, cross_fall))
-    slope = math.hypot(along, across)
-    u_along, u_across = (
-        math.radians(angle.u) * (1.0 + tangent * tangent) for angle, tangent in ((fall, along), (cross_fall, across))
-    )
-    if slope <= max(u_along, u_across):
-        # Level within its uncertainty: the steepest direction may be any.
-        return Measured(slope, _ALL_ROUND * max(u_along, u_across))
-    return Measured(slope, math.hypot(along * u_along, across * u_across) / slope)
 
 
 def difference(upper: Measured, lower: Measured, share_a_nosing: bool) -> Measured:
