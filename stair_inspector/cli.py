@@ -50,6 +50,7 @@ commands:
   rules                     list the rule sets; --show ID prints one, --toml ID its file, to copy and change
   simulate OUT.ply          a scan of a known staircase by a simulated scanner, and OUT.truth.json
   presets                   list the presets
+  quantities                list what is measured: names, units, definitions, terms of building codes
 
   stair-inspector COMMAND --help lists a command's options; --version prints the version.
 
@@ -223,6 +224,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         "rules": _rules,
         "simulate": _simulate,
         "presets": _presets,
+        "quantities": _quantities,
     }
     if args and args[0] in ("-h", "--help"):
         print(_USAGE, end="")
@@ -544,16 +546,30 @@ def _simulate(args: list[str]) -> int:
 
 
 def _presets(args: list[str]) -> int:
-    if args and args[0] in ("-h", "--help"):
-        print("usage: stair-inspector presets\n\nLists the presets that come with the program.")
+    if _is_answered("presets", args, "Lists the presets that come with the program."):
         return 0
-    if args:
-        raise ConfigError(f"presets: got {args[0][:60]!r}; this command has no options")
     presets = list_presets()
     width = max(len(preset.name) for preset in presets)
     for preset in presets:
         print(f"{preset.name:<{width}}  {preset.description}")
     return 0
+
+
+def _quantities(args: list[str]) -> int:
+    if not _is_answered("quantities", args, "Lists what is measured of a step, of a flight and by the paper's method."):
+        from stair_inspector.writers.text import quantities_text
+
+        _say(quantities_text())
+    return 0
+
+
+def _is_answered(command: str, args: list[str], words: str) -> bool:
+    """Print the help of a command without options where that is asked for; refuse anything else."""
+    if args and args[0] not in ("-h", "--help"):
+        raise ConfigError(f"{command}: got {args[0][:60]!r}; this command has no options")
+    if args:
+        print(f"usage: stair-inspector {command}\n\n{words}")
+    return bool(args)
 
 
 def _parse(kind: type[T], command: str, args: list[str], default: T) -> T:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from stair_inspector.quantities import PAPER_QUANTITIES, QUANTITIES
+
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "stair_inspector"
 ROOMS = (
@@ -52,6 +54,8 @@ CORE = {
 }
 HEAVY = {"open3d", "trimesh", "sklearn", "scipy", "typst", "ezdxf", "xlsxwriter"}
 """Imported only inside the functions that need them: each takes up to seconds."""
+TRUTH = PACKAGE / "files" / "simulations.py"
+"""May list quantities: what a simulated stair truly is must not be defined by what measures it."""
 FILES = sorted(PACKAGE.rglob("*.py"))
 EACH_FILE = pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
 
@@ -123,6 +127,59 @@ def test_only_the_command_line_prints_and_exits(file):
         tree = ast.parse(file.read_text(encoding="utf-8"))
         called = {ast.unparse(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
         assert called & {"print", "exit", "quit", "sys.exit", "os._exit", "input"} == set()
+
+
+def names_of_quantities():
+    """Every name of a quantity in code: with and without its unit, on cards, over columns."""
+    names = {name for each in PAPER_QUANTITIES for name in (each.column, f"{each.name}_mm")}
+    for each in QUANTITIES:
+        names |= {each.name, each.label, each.words, each.head, each.column, each.lines_field, f"{each.name}_mm"}
+    return names - {""}
+
+
+def quantities_listed(tree, names):
+    """(line, names) of every literal tuple, list, set or dict that names three quantities or more.
+
+    A name counts as a text, as the first of a pair or triple, and as a field that is read: ``step.rise_m``.
+    """
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Dict):
+            entries = node.keys
+        elif isinstance(node, (ast.Tuple, ast.List, ast.Set)):
+            entries = [
+                each.elts[0] if isinstance(each, (ast.Tuple, ast.List)) and each.elts else each for each in node.elts
+            ]
+        else:
+            continue
+        words = [each.value for each in entries if isinstance(each, ast.Constant) and isinstance(each.value, str)]
+        fields = [each.attr for each in entries if isinstance(each, ast.Attribute) and "_" in each.attr]
+        said = [word for word in words + fields if re.sub("^(mean|max_adjacent|paper)_", "", word) in names]
+        if len(said) >= 3:
+            yield node.lineno, said
+
+
+@EACH_FILE
+def test_quantities_are_listed_in_one_place(file):
+    if file in (PACKAGE / "quantities.py", TRUTH):
+        return
+    found = list(quantities_listed(ast.parse(file.read_text(encoding="utf-8")), names_of_quantities()))
+    assert found == [], "read them from quantities.py"
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("x = ('rise', 'going', 'width')", ["rise", "going", "width"]),
+        ("x = ['rise_m', 'mean_going_m', 'paper_h_m', 'other']", ["rise_m", "mean_going_m", "paper_h_m"]),
+        ("x = {'tread depth': 1, 'pitch': 2, 'fall': 3}", ["tread depth", "pitch", "fall"]),
+        ("x = (('rise', 1), ('going', 2), ('pitch', 3))", ["rise", "going", "pitch"]),
+        ("x = (step.rise_m, step.going_m, step.width_m)", ["rise_m", "going_m", "width_m"]),
+        ("x = ('rise', 'going', 'nothing')", None),
+        ("x = f('rise', 'going', 'width')", None),
+    ],
+)
+def test_the_finder_of_lists_of_quantities_sees_every_kind(source, said):
+    assert list(quantities_listed(ast.parse(source), names_of_quantities())) == ([] if said is None else [(1, said)])
 
 
 def test_the_reader_of_imports_sees_every_kind_of_import():

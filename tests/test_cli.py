@@ -21,11 +21,12 @@ from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import list_presets, params_to_dict
 from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.quantities import PAPER_QUANTITIES, QUANTITIES
 from stair_inspector.writers.inspection import write_inspection
 from tests.synthetic import Stair
 
 ROOT = Path(__file__).parent.parent
-COMMANDS = ("view", "measure", "check", "rules", "simulate", "presets")
+COMMANDS = ("view", "measure", "check", "rules", "simulate", "presets", "quantities")
 UP_Z = ("--up", "z", "--unit", "m")
 
 
@@ -112,6 +113,15 @@ def test_every_setting_has_a_flag_with_its_help(run, command):
 
 def test_the_version(run):
     assert run("--version") == (0, f"stair-inspector {stair_inspector.__version__}\n", "")
+
+
+def test_quantities_are_listed_with_their_definitions(run):
+    code, out, err = run("quantities")
+    assert (code, err) == (0, "")
+    for quantity in (*QUANTITIES, *PAPER_QUANTITIES):
+        assert any(
+            line.split()[:1] == [quantity.name] and line.endswith(quantity.definition) for line in out.splitlines()
+        )
 
 
 def test_presets_are_listed_with_their_descriptions(run):
@@ -526,7 +536,9 @@ def test_only_flights_that_climb_the_given_way_are_measured(measured, climb, n_f
 
 
 def test_unknown_command(run):
-    expected = "'mesure' is no command; give one of view, measure, check, rules, simulate, presets (see --help)"
+    expected = (
+        "'mesure' is no command; give one of view, measure, check, rules, simulate, presets, quantities (see --help)"
+    )
     assert refusal(run, "mesure", "a.ply") == expected
 
 

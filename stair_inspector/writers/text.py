@@ -1,4 +1,4 @@
-"""A check and a rule set as plain text, as a terminal shows them."""
+"""A check, a rule set and the quantities as plain text, as a terminal shows them."""
 
 import itertools
 import unicodedata
@@ -8,6 +8,7 @@ from stair_inspector.codes.findings import DECISIONS, Check, Finding, Verdict, g
 from stair_inspector.codes.phrases import gap_text, in_place_of, limit_words, limits_text, place_text, value_text
 from stair_inspector.codes.rules import GRADES, OWN_FILE, Rule, RuleSet
 from stair_inspector.content.verdicts import verdict_sentence
+from stair_inspector.quantities import PAPER_QUANTITIES, QUANTITIES, PaperQuantity, Quantity
 from stair_inspector.units import shown
 
 _STATISTICS = {
@@ -42,6 +43,23 @@ def rule_sets_text(rule_sets: Sequence[RuleSet]) -> str:
         if rule_set is not None:
             lines.append(f"    SHA-256 {rule_set.sha256}")
     return "\n".join([*lines, "", *(f"grade {grade}: {words}" for grade, words in GRADES.items())])
+
+
+def quantities_text() -> str:
+    """Return what is measured, a row for each quantity: name, unit in JSON, what building codes call it, what it is."""
+    groups: dict[str, list[Quantity | PaperQuantity]] = {
+        "of a step": [each for each in QUANTITIES if each.of_step is not None],
+        "of a flight": [each for each in QUANTITIES if each.of_step is None],
+        "of a step, by the paper's method": list(PAPER_QUANTITIES),
+    }
+    lines = []
+    for title, group in groups.items():
+        rows: list[Sequence[str]] = [("name", "unit", "building codes", "what it is")]
+        for each in group:
+            term = each.code_term if isinstance(each, Quantity) else ""
+            rows.append((each.name, each.unit, term or "-", each.definition))
+        lines += [f"{title}:", *_indented(_table(rows)), ""]
+    return "\n".join(lines).rstrip()
 
 
 def rule_set_text(rule_set: RuleSet) -> str:

@@ -43,7 +43,12 @@ def make(folder: Path, scans: Sequence[Path]) -> None:
             # The folder's own name stands in what is printed.
             (out / "printed.txt").write_text(printed.replace(str(out), "OUT"))
             print(out, flush=True)
-    for name, words in {"help": ["--help"], "rules": ["rules"], "presets": ["presets"]}.items():
+    for name, words in {
+        "help": ["--help"],
+        "rules": ["rules"],
+        "presets": ["presets"],
+        "quantities": ["quantities"],
+    }.items():
         (folder / f"{name}.txt").write_text(_run(words))
 
 

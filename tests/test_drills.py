@@ -1,0 +1,98 @@
+"""Drills: a change that should take one place is made in a copy of the package, and seen wherever it must appear."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from stair_inspector.files.paths import static_configs
+
+ROOT = Path(__file__).parent.parent
+
+NEW_QUANTITY = """
+    Quantity(
+        name="nosing_height",
+        definition="height of the nosing on the centre line above the scan's zero",
+        head="nosing",
+        of_step=lambda step, _: None
+        if step.line_points is None or step.rise_m is None
+        else Measured(float(step.line_points[1][2]), step.rise_m.u),
+    ),
+"""
+SEEN = """
+import dataclasses, io, json, sys
+from pathlib import Path
+
+import openpyxl
+
+import stair_inspector
+from stair_inspector import cli
+from stair_inspector.content.fields import ReportBasis
+from stair_inspector.content.order import build
+from stair_inspector.content.readings import STEP_READINGS
+from stair_inspector.content.schema import with_quantities
+from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES
+from stair_inspector.viewer.parts.steps.html import table_html
+from stair_inspector.viewer.parts.steps.survey_html import card_html
+from stair_inspector.viewer.parts.tune.comparison import compare, comparison_html
+from stair_inspector.writers.csv import csv_bytes
+from stair_inspector.writers.html import html_bytes
+from stair_inspector.writers.json import json_bytes
+from stair_inspector.writers.text import quantities_text
+from stair_inspector.writers.xlsx import xlsx_bytes
+from tests.viewer.surveyed import PALETTE, surveyed
+from tests.writers.samples import MADE_AT
+
+assert Path(stair_inspector.__file__).parent.parent == Path(sys.argv[1])
+inspection = surveyed()[1]
+document = build(inspection, None, ReportBasis(), MADE_AT)
+workbook = openpyxl.load_workbook(io.BytesIO(xlsx_bytes(document)))
+schema = json.loads(Path(sys.argv[2]).read_text())
+height_m = float(inspection.steps[1].line_points[1][2])
+words = f"{1000.0 * height_m:.1f}"
+told = json.loads(json_bytes(inspection))["steps"][1]["nosing_height_m"]
+rows = csv_bytes(inspection).decode().splitlines()
+cells = dict(zip(rows[0].split(","), rows[2].split(","), strict=True))
+found = {
+    "JSON": told["value"] == height_m and told["u"] > 0.0,
+    "CSV": abs(float(cells["nosing_height_mm"]) - 1e3 * height_m) < 1e-6 and float(cells["nosing_height_u_mm"]) > 0.0,
+    "schema": "nosing_height_m" in with_quantities(schema)["$defs"]["step"]["required"],
+    "XLSX": "Nosing height (mm)" in [cell.value for cell in workbook["Steps"][1]],
+    "report": "Nosing height" in html_bytes(document).decode() and words in html_bytes(document).decode(),
+    "table": words in table_html(inspection, PALETTE, None, None, "survey"),
+    "card": f"{words} ± " in card_html(inspection, 2, PALETTE) and "nosing height" in card_html(inspection, 2, PALETTE),
+    "comparison": "nosing" in comparison_html(compare(inspection, inspection), "a", "b"),
+    "sweep": "mean_nosing_height_m" in SWEPT_QUANTITIES,
+    "terminal": "nosing_mm" in cli._summary(inspection) and f"{words} ± " in cli._summary(inspection),
+    "help": "above the scan's zero" in quantities_text(),
+    "hint": "Height of the nosing on the centre line" in table_html(inspection, PALETTE, None, None, "survey"),
+    "readings": "nosing_height" in STEP_READINGS,
+}
+print([place for place, is_there in found.items() if not is_there])
+"""
+
+
+@pytest.mark.slow
+def test_a_new_quantity_of_a_step_is_added_in_one_place_and_appears_everywhere(tmp_path):
+    package = tmp_path / "stair_inspector"
+    shutil.copytree(ROOT / "stair_inspector", package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(static_configs(), tmp_path / "static_configs")
+    file = package / "quantities.py"
+    before = file.read_text(encoding="utf-8")
+    start = '    Quantity(\n        name="two_r_plus_g",'
+    assert before.count(start) == 1
+    file.write_text(before.replace(start, NEW_QUANTITY.lstrip("\n") + start), encoding="utf-8")
+    schema = tmp_path / "static_configs" / "schemas" / "inspection-1.schema.json"
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"}
+    done = subprocess.run(
+        [sys.executable, "-c", SEEN, str(tmp_path), str(schema)],
+        env=environment,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr
