@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import stair_inspector.model
 from stair_inspector.quantities import PAPER_QUANTITIES, QUANTITIES
 
 ROOT = Path(__file__).parent.parent
@@ -31,6 +32,7 @@ ROOMS = (
     ("writers",),
     ("viewer",),
     ("cli",),
+    ("__main__",),
 )
 """From the lowest floor to the highest; a room may import itself and what lies below, not its neighbours."""
 RANK = {room: rank for rank, rooms in enumerate(ROOMS) for room in rooms}
@@ -113,6 +115,14 @@ def test_the_core_knows_neither_disk_nor_page(file):
 @EACH_FILE
 def test_slow_libraries_are_imported_inside_functions(file):
     assert {module for module, at_once in imports_in(file) if at_once and module.split(".")[0] in HEAVY} == set()
+
+
+@EACH_FILE
+def test_the_values_of_the_model_have_one_way_in(file):
+    if room_of(file) != "model":
+        assert {module for module, _ in imports_in(file) if module.startswith("stair_inspector.model.")} <= {
+            f"stair_inspector.model.{name}" for name in stair_inspector.model.__all__
+        }
 
 
 @EACH_FILE

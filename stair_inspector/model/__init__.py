@@ -1,0 +1,67 @@
+"""Every immutable value that passes between the rooms; no algorithm.
+
+``from stair_inspector.model import Scan`` is the one way in; only the files of this room import each other. A new value
+goes into the file of its kind, and its name into the two lists here.
+
+Arrays are float64, contiguous and read-only unless a line says otherwise. "Local" coordinates are metres in the
+scan's own axes with ``Scan.origin_m`` subtracted; the scan frame has it added again.
+"""
+
+from stair_inspector.model.heights import (
+    FLOOR_LABEL,
+    NON_STAIR_LABEL,
+    HeightOrder,
+    HeightProfile,
+    Horizontal,
+    Level,
+    Levels,
+    Normals,
+    Up,
+)
+from stair_inspector.model.inspection import Inspection, ScanSummary
+from stair_inspector.model.notes import BLURRED, IMPOSSIBLE, NO_NOSING, Note, Observation
+from stair_inspector.model.paper import Axes, Edges, Extents, NearestPoints, PaperValues
+from stair_inspector.model.scan import Examination, Scan
+from stair_inspector.model.shapes import Arc, LocalPlane, StepShape
+from stair_inspector.model.steps import Flight, Measured, Statistics, Step
+from stair_inspector.model.surfaces import NO_CHAINS, Chain, Chains, Patch, Patches, Surface, Surfaces
+
+__all__ = [
+    "BLURRED",
+    "FLOOR_LABEL",
+    "IMPOSSIBLE",
+    "NON_STAIR_LABEL",
+    "NO_CHAINS",
+    "NO_NOSING",
+    "Arc",
+    "Axes",
+    "Chain",
+    "Chains",
+    "Edges",
+    "Examination",
+    "Extents",
+    "Flight",
+    "HeightOrder",
+    "HeightProfile",
+    "Horizontal",
+    "Inspection",
+    "Level",
+    "Levels",
+    "LocalPlane",
+    "Measured",
+    "NearestPoints",
+    "Normals",
+    "Note",
+    "Observation",
+    "PaperValues",
+    "Patch",
+    "Patches",
+    "Scan",
+    "ScanSummary",
+    "Statistics",
+    "Step",
+    "StepShape",
+    "Surface",
+    "Surfaces",
+    "Up",
+]

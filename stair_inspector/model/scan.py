@@ -1,0 +1,79 @@
+"""A point cloud, and what is known of it before anything is measured."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from stair_inspector.errors import DegenerateGeometry
+from stair_inspector.geometry.arrays import Colors, Floats, Ints, own
+from stair_inspector.model.notes import Note, Observation
+
+_FARTHEST_M = 10_000.0
+"""How far from zero points may lie: normals come from squares of coordinates, in which float64 keeps 1e-8 m² there."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scan:
+    """A point cloud in metres near zero.
+
+    ``points`` (n, 3) local; ``origin_m`` (3,) what was subtracted, metres in the scan frame; ``colors`` (n, 3) uint8
+    or None; ``normals`` (n, 3) unit vectors given by the file, or None; ``n_points`` how many the file held, before
+    non-finite points and exact duplicates were dropped. Points of which most lie farther than 10 km from zero are
+    refused (DegenerateGeometry): squares of their coordinates leave nothing of a surface. ``observations`` are what
+    reading it already shows; ``repeats`` (n,) how often the file holds each point, None where every point is distinct.
+    """
+
+    points: Floats
+    origin_m: Floats
+    name: str
+    sha256: str
+    unit: Literal["m", "cm", "mm", "in", "ft"]
+    n_points: int
+    colors: Colors | None = None
+    normals: Floats | None = None
+    notes: tuple[Note, ...] = ()
+    observations: tuple[Observation, ...] = ()
+    repeats: Ints | None = None
+
+    def __post_init__(self) -> None:
+        n = len(self.points)
+        object.__setattr__(self, "points", own(self.points, (None, 3), "points"))
+        object.__setattr__(self, "origin_m", own(self.origin_m, (3,), "origin_m"))
+        _check_nearness(self.points)
+        if self.colors is not None:
+            object.__setattr__(self, "colors", own(self.colors, (n, 3), "colors", np.uint8))
+        if self.normals is not None:
+            object.__setattr__(self, "normals", own(self.normals, (n, 3), "normals"))
+        if self.repeats is not None:
+            object.__setattr__(self, "repeats", own(self.repeats, (n,), "repeats", np.int64))
+
+
+def _check_nearness(points: Floats) -> None:
+    """Refuse points of which most lie far from zero; a thousandth of them shows it, strays do not count."""
+    if not len(points):
+        return
+    places = np.median(points[:: max(1, len(points) // 1000)], axis=0)
+    farthest = float(np.abs(places).max())
+    if farthest > _FARTHEST_M:
+        raise DegenerateGeometry(
+            f"points: they lie about {farthest:,.0f} m from zero; subtract an origin and give it as origin_m"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Examination:
+    """What a scan is like before anything is measured in it.
+
+    ``steps_m`` (3,) is the step of the coordinates on each axis of the scan, metres: as decimals, the scale of an
+    integer format, a voxel lattice or float32 far from zero leave it; 0 where none shows. ``layers_m`` (k, 3) are the
+    shifts of doubled surfaces against each other, scan axes, each along what faces one way. ``is_thinned`` says that
+    the points fill a lattice of these steps, one in each cell; ``is_view`` that the scan was taken from its origin in
+    one direction, as a camera's frame is.
+    """
+
+    observations: tuple[Observation, ...]
+    steps_m: Floats
+    layers_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    is_thinned: bool = False
+    is_view: bool = False
