@@ -2,6 +2,7 @@
 
 import csv
 import hashlib
+import importlib
 import json
 import subprocess
 import sys
@@ -109,6 +110,15 @@ def test_every_setting_has_a_flag_with_its_help(run, command):
         flag = f"--{name}".replace("_", "-")
         assert f"{flag} " in words, flag
         assert SETTINGS.setting(name).documentation.split(".")[0][:30] in words, flag
+
+
+def test_every_command_is_a_file_that_is_imported_when_it_is_called():
+    assert cli.COMMANDS == COMMANDS
+    script = "import sys, stair_inspector.cli; print(*(name for name in sys.modules if name.startswith('tyro')))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == ""
+    for command in COMMANDS:
+        assert callable(importlib.import_module(f"stair_inspector.cli.{command}").run)
 
 
 def test_the_version(run):
@@ -645,7 +655,7 @@ def test_an_output_folder_that_is_a_file(run, stair_file, tmp_path):
 
 
 def test_an_output_folder_that_may_not_be_written(run, stair_file, tmp_path, monkeypatch):
-    monkeypatch.setattr(cli.os, "access", lambda *_: False)
+    monkeypatch.setattr("os.access", lambda *_: False)
     text = refusal(run, "measure", stair_file, "-o", tmp_path / "out")
     assert text == f"{tmp_path}: cannot be written (permission denied); give another folder with -o"
 
@@ -731,7 +741,7 @@ def test_an_error_of_many_lines_becomes_one(run, monkeypatch):
     def fail(_):
         raise MissingLibrary("first\n  second\tthird")
 
-    monkeypatch.setattr(cli, "_presets", fail)
+    monkeypatch.setattr("stair_inspector.cli.presets.run", fail)
     assert run("presets") == (3, "", "stair-inspector: first second third\n")
 
 
@@ -746,7 +756,7 @@ def test_an_interrupt_leaves_with_130(monkeypatch):
     def interrupt(_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "_presets", interrupt)
+    monkeypatch.setattr("stair_inspector.cli.presets.run", interrupt)
     assert cli.main(["presets"]) == 130
 
 
@@ -754,7 +764,7 @@ def test_a_defect_of_the_program_is_one_line_that_says_so(monkeypatch, capsys):
     def defect(_):
         raise ZeroDivisionError("none")
 
-    monkeypatch.setattr(cli, "_presets", defect)
+    monkeypatch.setattr("stair_inspector.cli.presets.run", defect)
     assert cli.main(["presets"]) == 3
     assert capsys.readouterr().err == (
         "stair-inspector: internal error (ZeroDivisionError: none); run again with --debug and report what it prints\n"

@@ -29,7 +29,6 @@ from pathlib import Path
 import openpyxl
 
 import stair_inspector
-from stair_inspector import cli
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.order import build
 from stair_inspector.content.readings import STEP_READINGS
@@ -41,7 +40,7 @@ from stair_inspector.viewer.parts.tune.comparison import compare, comparison_htm
 from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.html import html_bytes
 from stair_inspector.writers.json import json_bytes
-from stair_inspector.writers.text import quantities_text
+from stair_inspector.writers.text import inspection_text, quantities_text
 from stair_inspector.writers.xlsx import xlsx_bytes
 from tests.viewer.surveyed import PALETTE, surveyed
 from tests.writers.samples import MADE_AT
@@ -66,7 +65,7 @@ found = {
     "card": f"{words} ± " in card_html(inspection, 2, PALETTE) and "nosing height" in card_html(inspection, 2, PALETTE),
     "comparison": "nosing" in comparison_html(compare(inspection, inspection), "a", "b"),
     "sweep": "mean_nosing_height_m" in SWEPT_QUANTITIES,
-    "terminal": "nosing_mm" in cli._summary(inspection) and f"{words} ± " in cli._summary(inspection),
+    "terminal": "nosing_mm" in inspection_text(inspection) and f"{words} ± " in inspection_text(inspection),
     "help": "above the scan's zero" in quantities_text(),
     "hint": "Height of the nosing on the centre line" in table_html(inspection, PALETTE, None, None, "survey"),
     "readings": "nosing_height" in STEP_READINGS,

@@ -1,4 +1,4 @@
-"""A check, a rule set and the quantities as plain text, as a terminal shows them."""
+"""An inspection, a check, a rule set and the quantities as plain text, as a terminal shows them."""
 
 import itertools
 import unicodedata
@@ -7,9 +7,19 @@ from collections.abc import Iterable, Sequence
 from stair_inspector.codes.findings import DECISIONS, Check, Finding, Verdict, gravest
 from stair_inspector.codes.phrases import gap_text, in_place_of, limit_words, limits_text, place_text, value_text
 from stair_inspector.codes.rules import GRADES, OWN_FILE, Rule, RuleSet
+from stair_inspector.content.examination import examination_lines
 from stair_inspector.content.verdicts import verdict_sentence
-from stair_inspector.quantities import PAPER_QUANTITIES, QUANTITIES, PaperQuantity, Quantity
-from stair_inspector.units import shown
+from stair_inspector.model import Inspection
+from stair_inspector.quantities import (
+    IN_TABLE,
+    PAPER_QUANTITIES,
+    QUANTITIES,
+    SHOWN_OF_PAPER,
+    PaperQuantity,
+    Quantity,
+    with_above,
+)
+from stair_inspector.units import measured_text, shown, shown_in, value_and_u
 
 _STATISTICS = {
     "each": "each step",
@@ -17,6 +27,75 @@ _STATISTICS = {
     "adjacent_difference": "between neighbours",
     "flight": "of a flight",
 }
+
+
+def inspection_text(inspection: Inspection) -> str:
+    """Return what was found about a scan, the survey's or the paper's table of its steps, and its notes.
+
+    Lengths are millimetres, angles degrees.
+    """
+    scan = inspection.scan
+    steps = f"{len(inspection.steps)} step{'' if len(inspection.steps) == 1 else 's'}"
+    lines = [f"{scan.name}: {scan.n_used:,} of {scan.n_points:,} points, {steps}"]
+    if inspection.steps:
+        lines += _survey_rows(inspection) if inspection.flights else _paper_rows(inspection)
+    lines += [f"  {note.message}" for note in inspection.notes]
+    return examined_text(inspection) + "\n".join(lines)
+
+
+def examined_text(inspection: Inspection) -> str:
+    """Return what was found about a scan before it was measured, a line for each; nothing where nothing was."""
+    if not inspection.examination:
+        return ""
+    lines = [f"{inspection.scan.name} examined:", *(f"  {line}" for line in examination_lines(inspection))]
+    return "\n".join(lines) + "\n"
+
+
+def _survey_rows(inspection: Inspection) -> list[str]:
+    """Return the survey's values, each with its expanded uncertainty (k = 2), flight by flight."""
+    names = [f"{each.head}_{_ascii_unit(each)}" for each in IN_TABLE]
+    lines = ["  " + f"{'step':>13}" + "".join(f"{name:>18}" for name in names) + f"{'coverage':>10}"]
+    for flight in inspection.flights:
+        risers = f"{flight.n_risers} riser{'' if flight.n_risers == 1 else 's'}"
+        radius = flight.radius_m
+        shape = flight.shape if radius is None else f"{flight.shape}, radius {measured_text(radius, 'm', 2)}"
+        goes_on = "" if flight.goes_on is None else f"; goes on: {flight.goes_on}"
+        lines.append(f"  flight {flight.flight_id}: {shape}, {risers}{goes_on}")
+        for step, above in with_above(inspection.steps):
+            if step.flight != flight.flight_id:
+                continue
+            cells = [
+                "-"
+                if (measured := each.of(step, above)) is None
+                else " ± ".join(value_and_u(measured, shown_in(each.unit, "mm")))
+                for each in IN_TABLE
+            ]
+            coverage = "-" if step.coverage is None else f"{100.0 * step.coverage:.0f} %"
+            kind = "" if step.kind == "tread" else f"{step.kind} "
+            lines.append(
+                "  " + f"{kind}{step.step_id}".rjust(13) + "".join(f"{cell:>18}" for cell in cells) + f"{coverage:>10}"
+            )
+    return lines
+
+
+def _paper_rows(inspection: Inspection) -> list[str]:
+    names = [f"{each.symbol if each.symbol.isascii() else each.name}_{_ascii_unit(each)}" for each in SHOWN_OF_PAPER]
+    columns = ("step", "points", *names, "RMS_mm")
+    lines = ["  " + "".join(f"{name:>11}" for name in columns)]
+    for step in inspection.steps:
+        rms_mm = None if step.plane.rms_m is None else step.plane.rms_m * 1000.0
+        cells = [f"{step.step_id:>11}", f"{step.plane.n_points:>11}"]
+        for each in SHOWN_OF_PAPER:
+            value = each.of_paper(step.paper)
+            cells.append(f"{'-':>11}" if value is None else f"{value * each.display.scale:>11.1f}")
+        cells.append(f"{'-':>11}" if rms_mm is None else f"{rms_mm:>11.2f}")
+        lines.append("  " + "".join(cells))
+    return lines
+
+
+def _ascii_unit(quantity: Quantity | PaperQuantity) -> str:
+    """Return the unit in which a quantity is shown as a terminal's column has it."""
+    return {"°": "deg", "%": "percent"}.get(quantity.display.unit, quantity.display.unit)
 
 
 def check_text(check: Check) -> str:

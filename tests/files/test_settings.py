@@ -24,7 +24,7 @@ from stair_inspector.files.settings import (
 from stair_inspector.overrules import Force, OverrulesParams, parse_force, parse_region, with_decision
 from stair_inspector.params import GROUPS, SETTINGS, Params, UncertaintyParams
 from tests.synthetic import CHANGES
-from tests.write_schema import SCHEMA, written
+from tests.write_schema import HOW, SCHEMA
 
 PLACE = "mine.toml"
 
@@ -51,7 +51,8 @@ def test_every_setting_is_among_the_plain_values():
 
 
 def test_the_schema_names_the_settings_as_they_are_declared():
-    assert SCHEMA.read_text(encoding="utf-8") == written(), "run: python -m tests.write_schema"
+    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    assert schema["properties"]["settings"] == settings_schema(), HOW
 
 
 def test_the_schema_takes_every_setting_and_no_other_type():
