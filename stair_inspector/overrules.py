@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, get_args
 from stair_inspector.declarations import Group, Setting
 from stair_inspector.errors import ConfigError, brief, is_one_line
 
-Verdict = Literal["tread", "landing", "rejected"]
+ForcedKind = Literal["tread", "landing", "rejected"]
 
 _LONGEST_REASON = 300
 
@@ -70,7 +70,7 @@ class Force:
     target: Literal["level", "patch", "at"]
     number: int
     point_m: tuple[float, float, float]
-    kind: Verdict
+    kind: ForcedKind
     reason: str = ""
 
 
@@ -101,7 +101,7 @@ def parse_force(text: str) -> tuple[Force, ...]:
         except ValueError:
             numbers = []
         is_place = len(numbers) == (3 if target == "at" else 1) and all(abs(number) < 1e9 for number in numbers)
-        if target not in ("level", "patch", "at") or kind not in get_args(Verdict) or not is_place:
+        if target not in ("level", "patch", "at") or kind not in get_args(ForcedKind) or not is_place:
             raise ConfigError(
                 f"overrules.force: got {entry[:60]!r}; give entries such as level:3=rejected, patch:12=tread "
                 "or at:0.5,1.2,0.34=landing, separated by semicolons"
@@ -109,11 +109,11 @@ def parse_force(text: str) -> tuple[Force, ...]:
         _check_reason(reason)
         point = (numbers[0], numbers[1], numbers[2]) if target == "at" else (0.0, 0.0, 0.0)
         number = -1 if target == "at" else int(numbers[0])
-        forces.append(Force(typing.cast(Any, target), number, point, typing.cast(Verdict, kind), reason))
+        forces.append(Force(typing.cast(Any, target), number, point, typing.cast(ForcedKind, kind), reason))
     return tuple(forces)
 
 
-def with_decision(force: str, place_m: Sequence[float], kind: Verdict | None, reason: str = "") -> str:
+def with_decision(force: str, place_m: Sequence[float], kind: ForcedKind | None, reason: str = "") -> str:
     """Return ``overrules.force`` with a decision about the surface at a place in the scan frame, metres.
 
     An earlier decision about the very same place, to the millimetre, is dropped, however it was written; with the kind

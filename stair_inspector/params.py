@@ -30,7 +30,7 @@ Method = Literal["survey", "paper"]
 AxesRule = Literal["auto", "global", "per_step"]
 KnownUnit = Literal["m", "cm", "mm", "in", "ft"]
 KNOWN_UNITS: tuple[KnownUnit, ...] = get_args(KnownUnit)
-Unit = Literal["auto", "m", "cm", "mm", "in", "ft"]
+ScanUnit = Literal["auto", "m", "cm", "mm", "in", "ft"]
 NormalsSource = Literal["estimate", "given"]
 EdgeSource = Literal["auto", "tread", "face"]
 
@@ -295,7 +295,7 @@ class Params:
         ),
     ] = "auto"
     unit: Annotated[
-        Unit,
+        ScanUnit,
         Setting("Unit of the file", place="scan").says(
             "Unit of the scan's coordinates; 'auto' guesses from the size and says so."
         ),

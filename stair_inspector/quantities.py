@@ -18,7 +18,7 @@ from stair_inspector.model import Flight, Measured, PaperValues, Statistics, Ste
 LINES = ("left", "centre", "right")
 """The measuring lines as seen when climbing, in the order of the values on them."""
 SiUnit = Literal["m", "deg", "tangent", "count"]
-Reach = Literal["tread", "nosing", "from_below", "to_next", "both"]
+RestsOn = Literal["tread", "nosing", "from_below", "to_next", "both"]
 """What a quantity of a step hangs on: its tread alone, its nosing, its nosing and that below, its nosing and the next
 one, or all three."""
 OfStep = Callable[[Step, Step | None], Measured | None]
@@ -27,7 +27,7 @@ OfFlight = Callable[[Flight, Sequence[Step]], Measured | None]
 """Takes a flight and its steps from bottom to top."""
 
 
-class Display(NamedTuple):
+class Notation(NamedTuple):
     """How a quantity is shown: the factor from SI, the unit's sign, the decimals where its uncertainty sets none."""
 
     scale: float
@@ -35,22 +35,22 @@ class Display(NamedTuple):
     digits: int
 
 
-DISPLAYS: dict[SiUnit, Display] = {
-    "m": Display(1000.0, "mm", 2),
-    "deg": Display(1.0, "°", 2),
-    "tangent": Display(100.0, "%", 2),
-    "count": Display(1.0, "", 0),
+NOTATIONS: dict[SiUnit, Notation] = {
+    "m": Notation(1000.0, "mm", 2),
+    "deg": Notation(1.0, "°", 2),
+    "tangent": Notation(100.0, "%", 2),
+    "count": Notation(1.0, "", 0),
 }
 
 
-class Place(NamedTuple):
+class ReportPlace(NamedTuple):
     """Which of the report's tables of steps has a column for a quantity, and where among the others, from the left."""
 
     table: Literal["steps", "evidence"]
     order: int
 
 
-_LAST = Place("steps", 100)
+_LAST = ReportPlace("steps", 100)
 _KINDS: tuple[Literal["tread", "landing"], ...] = ("tread", "landing")
 _ALL_ROUND = math.sqrt(-2.0 * math.log(0.05)) / 2.0
 """A circle that holds 95 % of a normal error in two directions, in expanded uncertainties (k = 2) of one."""
@@ -69,7 +69,7 @@ class Quantity:
     the values (3,) on the left, centre and right measuring line, ``statistics`` over a flight; all in ``unit``.
     ``made_of`` names the quantities that one is worked out from.
 
-    What it is like: ``reach``; ``may_be_negative``, with a direction; ``is_size`` is meant to be far from zero;
+    What it is like: ``rests_on``; ``may_be_negative``, with a direction; ``is_size`` is meant to be far from zero;
     ``kinds`` of steps that have it; ``is_chained`` ends at nosings that neighbours share; ``is_of_line`` depends, where
     a flight curves, on the line along which it is taken. ``doubted_by`` and ``lost_by`` are codes of the notes that say
     why a value is uncertain or missing, the latter with the step that has the note: 0 its own, 1 the one above;
@@ -92,7 +92,7 @@ class Quantity:
     on_lines: Callable[[Step], tuple[float | None, ...] | None] | None = None
     statistics: Callable[[Flight], Statistics | None] | None = None
     made_of: tuple[str, ...] = ()
-    reach: Reach = "tread"
+    rests_on: RestsOn = "tread"
     may_be_negative: bool = False
     is_size: bool = True
     kinds: tuple[Literal["tread", "landing"], ...] = ("tread",)
@@ -106,7 +106,7 @@ class Quantity:
     is_limited: bool = True
     is_read: bool = True
     is_other_in_codes: bool = False
-    place: Place | None = _LAST
+    place: ReportPlace | None = _LAST
 
     def __post_init__(self) -> None:
         label = self.label or self.name.replace("_", " ")
@@ -124,9 +124,9 @@ class Quantity:
         return self.label[:1].upper() + self.label[1:]
 
     @property
-    def display(self) -> Display:
+    def notation(self) -> Notation:
         """How its values are shown, lengths in millimetres."""
-        return DISPLAYS[self.unit]
+        return NOTATIONS[self.unit]
 
     @property
     def field(self) -> str | None:
@@ -175,9 +175,9 @@ class PaperQuantity:
         return f"{self.name}_{self.unit}"
 
     @property
-    def display(self) -> Display:
+    def notation(self) -> Notation:
         """How its values are shown."""
-        return DISPLAYS[self.unit]
+        return NOTATIONS[self.unit]
 
 
 _STEP_FIELDS = frozenset(item.name for item in dataclasses.fields(Step))
@@ -244,13 +244,13 @@ RISE = Quantity(
     of_step=lambda step, _: step.rise_m,
     on_lines=lambda step: step.rise_lcr_m,
     statistics=lambda flight: flight.rise,
-    reach="from_below",
+    rests_on="from_below",
     kinds=("tread", "landing"),
     is_chained=True,
     doubted_by=("nosing_unobserved",),
     lost_by=((0, "tread_missing"), (0, "rise_unobserved")),
     note_words=("rise",),
-    place=Place("steps", 1),
+    place=ReportPlace("steps", 1),
 )
 GOING = Quantity(
     name="going",
@@ -260,14 +260,14 @@ GOING = Quantity(
     of_step=lambda step, _: step.going_m,
     on_lines=lambda step: step.going_lcr_m,
     statistics=lambda flight: flight.going,
-    reach="to_next",
+    rests_on="to_next",
     is_chained=True,
     is_of_line=True,
     doubted_by=("nosing_unobserved",),
     lost_by=((1, "tread_missing"),),
     note_words=("going",),
     is_other_in_codes=True,
-    place=Place("steps", 2),
+    place=ReportPlace("steps", 2),
 )
 WIDTH = Quantity(
     name="width",
@@ -280,7 +280,7 @@ WIDTH = Quantity(
     doubted_by=("side_unobserved",),
     note_words=("width", "side"),
     is_other_in_codes=True,
-    place=Place("steps", 5),
+    place=ReportPlace("steps", 5),
 )
 PITCH = Quantity(
     name="pitch",
@@ -290,10 +290,10 @@ PITCH = Quantity(
     code_term="pitch (UK)",
     of_step=lambda step, _: step.pitch_deg,
     of_flight=lambda flight, _: flight.pitch_deg,
-    reach="to_next",
+    rests_on="to_next",
     is_of_line=True,
     note_words=("pitch", "going"),
-    place=Place("steps", 7),
+    place=ReportPlace("steps", 7),
 )
 
 QUANTITIES: tuple[Quantity, ...] = (
@@ -304,13 +304,13 @@ QUANTITIES: tuple[Quantity, ...] = (
         definition="from the nosing to the face of the riser above, or to the tread's back edge",
         head="depth",
         of_step=lambda step, _: step.tread_depth_m,
-        reach="nosing",
+        rests_on="nosing",
         is_of_line=True,
         doubted_by=("nosing_unobserved", "back_hidden"),
         lost_by=((0, "back_unobserved"),),
         note_words=("depth", "back"),
         is_other_in_codes=True,
-        place=Place("steps", 3),
+        place=ReportPlace("steps", 3),
     ),
     WIDTH,
     Quantity(
@@ -321,13 +321,13 @@ QUANTITIES: tuple[Quantity, ...] = (
         code_term="nosing projection (US)",
         of_step=lambda step, _: step.nosing_overhang_m,
         made_of=("tread_depth", "going"),
-        reach="to_next",
+        rests_on="to_next",
         may_be_negative=True,
         is_size=False,
         doubted_by=("back_hidden",),
         lost_by=((1, "tread_missing"), (0, "back_unobserved")),
         note_words=("overhang", "back", "depth"),
-        place=Place("steps", 4),
+        place=ReportPlace("steps", 4),
     ),
     PITCH,
     Quantity(
@@ -340,7 +340,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         is_size=False,
         note_words=("fall",),
         is_limited=False,
-        place=Place("evidence", 1),
+        place=ReportPlace("evidence", 1),
     ),
     Quantity(
         name="cross_fall",
@@ -352,7 +352,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         is_size=False,
         note_words=("fall",),
         is_limited=False,
-        place=Place("evidence", 2),
+        place=ReportPlace("evidence", 2),
     ),
     Quantity(
         name="two_r_plus_g",
@@ -360,25 +360,25 @@ QUANTITIES: tuple[Quantity, ...] = (
         label="2R + G",
         of_step=_two_r_plus_g,
         made_of=("rise", "going"),
-        reach="both",
+        rests_on="both",
         is_of_line=True,
         doubted_by=("nosing_unobserved",),
         lost_by=(*RISE.lost_by, *GOING.lost_by),
         is_in_files=False,
         is_on_card=False,
         is_read=False,
-        place=Place("steps", 6),
+        place=ReportPlace("steps", 6),
     ),
     Quantity(
         name="diagonal",
         definition="from this nosing to the next, along the line between them",
         of_step=_diagonal,
-        reach="to_next",
+        rests_on="to_next",
         is_in_files=False,
         is_on_card=False,
         is_read=False,
         is_limited=False,
-        place=Place("steps", 8),
+        place=ReportPlace("steps", 8),
     ),
     *(
         Quantity(
@@ -492,7 +492,7 @@ SURVEY_VALUES = tuple(quantity.field for quantity in IN_FILES if quantity.field 
 
 def is_si_unit(word: str) -> TypeGuard[SiUnit]:
     """Tell whether a word is the unit that a quantity's name may end in."""
-    return word in DISPLAYS
+    return word in NOTATIONS
 
 
 def quantity_of(name: str) -> Quantity:

@@ -10,30 +10,30 @@ from typing import Literal
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Measured
 from stair_inspector.params import METRES_PER_UNIT
-from stair_inspector.quantities import DISPLAYS, QUANTITIES, Display, SiUnit
+from stair_inspector.quantities import NOTATIONS, QUANTITIES, Notation, SiUnit
 
 Unit = Literal["mm", "in"]
-Shown = Literal["mm", "in", "m", "°", "%", ""]
+ShownUnit = Literal["mm", "in", "m", "°", "%", ""]
 """Of a length a unit, of another quantity its sign."""
 
 UNITS: tuple[Unit, ...] = ("mm", "in")
 NOT_KNOWN = "–"
 M_PER_INCH = METRES_PER_UNIT["in"]
 _SIXTEENTHS = 16
-_DIFFERENCE_PLACES: dict[Shown, int] = {"in": 3, "mm": 1, "m": 3, "°": 2, "%": 2, "": 0}
+_DIFFERENCE_PLACES: dict[ShownUnit, int] = {"in": 3, "mm": 1, "m": 3, "°": 2, "%": 2, "": 0}
 _TIE = 1e-9
 """In sixteenths: a thirty-second that lost its last bit on the way through metres is rounded up as all others."""
 
 
-_BY_QUANTITY = {quantity.name: quantity.display for quantity in QUANTITIES}
+_BY_QUANTITY = {quantity.name: quantity.notation for quantity in QUANTITIES}
 
 
-def display_of(quantity: str) -> Display:
+def notation_of(quantity: str) -> Notation:
     """Return how values of a quantity are shown, by its name; what no scan shows is written as a length."""
-    return _BY_QUANTITY.get(quantity, DISPLAYS["m"])
+    return _BY_QUANTITY.get(quantity, NOTATIONS["m"])
 
 
-def shown_in(unit: SiUnit, chosen: Unit) -> Shown:
+def shown_in(unit: SiUnit, chosen: Unit) -> ShownUnit:
     """Return how values of an SI unit are written where lengths are written in the chosen one."""
     return {"m": chosen, "deg": "°", "tangent": "%", "count": ""}[unit]
 
@@ -52,7 +52,7 @@ def places_of(u: float | None, digits: int) -> int:
 
 def shown(quantity: str, value: float, u: float | None = None) -> str:
     """Return a value with its unit, rounded where its uncertainty is: ``170.08 mm``, ``170.1 ± 0.4 mm``, ``9``."""
-    scale, unit, digits = display_of(quantity)
+    scale, unit, digits = notation_of(quantity)
     gap = " " if unit not in ("", "°") else ""
     if not u:
         return f"{scale * value:.{digits}f}{gap}{unit}"
@@ -84,7 +84,7 @@ def fraction_text(value_m: float) -> str:
     return f"-{words}" if value_m < 0.0 and sixteenths else words
 
 
-def number_text(value: float | None, unit: Shown, digits: int = 1) -> str:
+def number_text(value: float | None, unit: ShownUnit, digits: int = 1) -> str:
     """Return a length in metres or an angle in degrees without its unit; a dash for what is not known."""
     if value is None:
         return NOT_KNOWN
@@ -93,18 +93,18 @@ def number_text(value: float | None, unit: Shown, digits: int = 1) -> str:
     return f"{tidy(_scaled(value, unit), digits):.{digits}f}"
 
 
-def length_text(value: float | None, unit: Shown, digits: int = 1) -> str:
+def length_text(value: float | None, unit: ShownUnit, digits: int = 1) -> str:
     """Return a value with its unit: ``170.1 mm``, ``6 11/16 in``, ``31.2°``."""
     return NOT_KNOWN if value is None else number_text(value, unit, digits) + _suffix(unit)
 
 
-def difference_text(value: float, unit: Shown) -> str:
+def difference_text(value: float, unit: ShownUnit) -> str:
     """Return the size of a difference with its unit: ``3.1 mm``, ``1/8 in (0.122)``; most are finer than a fraction."""
     decimal = f" ({abs(value) / M_PER_INCH:.3f})" if unit == "in" else ""
     return f"{length_text(value, unit)}{decimal}"
 
 
-def signed_text(value: float, unit: Shown | None) -> str:
+def signed_text(value: float, unit: ShownUnit | None) -> str:
     """Return a difference in metres or degrees, or of a count, with its sign and without its unit.
 
     Inches are written as a decimal: most differences are finer than any fraction.
@@ -115,7 +115,7 @@ def signed_text(value: float, unit: Shown | None) -> str:
     return f"{'+' if rounded > 0.0 else '−' if rounded < 0.0 else '±'}{abs(rounded):.{places}f}"
 
 
-def uncertainty_text(u: float, unit: Shown) -> str:
+def uncertainty_text(u: float, unit: ShownUnit) -> str:
     """Return an uncertainty in metres or degrees without its unit; inches as a decimal, finer than any fraction."""
     if unit != "in":
         return u_text(_scaled(u, unit))
@@ -125,7 +125,7 @@ def uncertainty_text(u: float, unit: Shown) -> str:
     return f"{inches:.2f}" if inches >= 0.0995 else f"{max(inches, 0.001):.3f}"
 
 
-def value_and_u(measured: Measured, unit: Shown, digits: int = 1) -> tuple[str, str]:
+def value_and_u(measured: Measured, unit: ShownUnit, digits: int = 1) -> tuple[str, str]:
     """Return a value and its uncertainty without their unit: the value rounded where its uncertainty is.
 
     Inches are decimals here. ``digits`` are those of a value whose uncertainty is zero.
@@ -137,7 +137,7 @@ def value_and_u(measured: Measured, unit: Shown, digits: int = 1) -> tuple[str, 
     return number_text(measured.value, unit, places_of(_scaled(measured.u, unit), digits)), u
 
 
-def measured_text(measured: Measured, unit: Shown, digits: int = 1) -> str:
+def measured_text(measured: Measured, unit: ShownUnit, digits: int = 1) -> str:
     """Return a value with its uncertainty: ``170.1 ± 0.4 mm``, ``31.2 ± 0.3°``, ``6 11/16 in (6.697 ± 0.016)``.
 
     A sixteenth of an inch is coarser than most uncertainties, which is why the decimal value stands beside it.
@@ -153,17 +153,17 @@ def is_finer_than_a_fraction(u_m: float) -> bool:
     return u_m < M_PER_INCH / _SIXTEENTHS
 
 
-def parts_text(measured: Measured, unit: Shown) -> str:
+def parts_text(measured: Measured, unit: ShownUnit) -> str:
     """Return what an uncertainty is made of: ``noise 0.2, edge 0.3, up 0.1 mm``."""
     parts = ", ".join(f"{name} {uncertainty_text(u, unit)}" for name, u in measured.parts)
     return f"{parts}{_suffix(unit)}" if parts else "parts not stated"
 
 
-def _scaled(value: float, unit: Shown) -> float:
+def _scaled(value: float, unit: ShownUnit) -> float:
     return value * 1000.0 if unit == "mm" else value * 100.0 if unit == "%" else value
 
 
-def _suffix(unit: Shown) -> str:
+def _suffix(unit: ShownUnit) -> str:
     return unit if unit in ("", "°") else f" {unit}"
 
 

@@ -192,6 +192,40 @@ def test_the_finder_of_lists_of_quantities_sees_every_kind(source, said):
     assert list(quantities_listed(ast.parse(source), names_of_quantities())) == ([] if said is None else [(1, said)])
 
 
+def public_names(tree):
+    """(kind, name) of every public type and function at the top of a module: classes, aliases of types, functions."""
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef):
+            found = "type", node.name
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            found = "function", node.name
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            name = node.targets[0].id
+            # A name in capitals and small letters is an alias or a variable of types, unless a value is kept in it.
+            if not (name[:1].isupper() and any(letter.islower() for letter in name)):
+                continue
+            found = "type", name
+        else:
+            continue
+        if not found[1].startswith("_"):
+            yield found
+
+
+def test_every_public_name_of_a_type_or_function_means_one_thing():
+    places = {}
+    for file in FILES:
+        for kind, name in public_names(ast.parse(file.read_text(encoding="utf-8"))):
+            # Each command is a file whose "run" runs it.
+            if name not in ("main", "run") or kind == "type":
+                places.setdefault((kind, name), []).append(str(file.relative_to(PACKAGE)))
+    assert {name: files for (_, name), files in places.items() if len(files) > 1} == {}
+
+
+def test_the_finder_of_public_names_sees_types_aliases_and_functions():
+    source = "class A: ...\ndef f(): ...\nPair = tuple[int, int]\nLIMIT = 3\n_C = int\nclass _D: ...\n"
+    assert list(public_names(ast.parse(source))) == [("type", "A"), ("function", "f"), ("type", "Pair")]
+
+
 def test_the_reader_of_imports_sees_every_kind_of_import():
     source = (
         "import open3d\nfrom stair_inspector import files\nif TYPE_CHECKING:\n    import viser\n"

@@ -24,7 +24,7 @@ _SIGNED_FLAGS = ("--up", "--overrules.climb", "--overrules.region")
 
 
 @dataclass(frozen=True)
-class Common:
+class CommonOptions:
     """Options of every command that reads a scan."""
 
     preset: Annotated[

@@ -33,7 +33,7 @@ def run(args: list[str]) -> int:
     rules = headless.rules_of(args, options, "check", project)
     if rules is None:
         raise ConfigError("check: no rule set given; name one with --rules (see: stair-inspector rules)")
-    basis = headless.basis_of(options, "check", project)
+    basis = headless.basis_asked_for(options, "check", project)
     made_at = headless.time_of_report()
     folder = Path(options.out) if options.out else None
     if folder is not None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 from typing_extensions import Doc
 
-from stair_inspector.cli.arguments import Common, value_of
+from stair_inspector.cli.arguments import CommonOptions, value_of
 from stair_inspector.cli.output import internal_words, report_error
 from stair_inspector.codes.findings import Decision
 from stair_inspector.errors import CannotMeasure, ConfigError, ReadError, StairError
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Headless(Common):
+class Headless(CommonOptions):
     """Options of the commands that measure without a browser."""
 
     scans: Annotated[
@@ -107,7 +107,7 @@ def rules_of(
     return rule_set, decision
 
 
-def basis_of(options: Headless, command: str, project: "Project | None") -> "ReportBasis | None":
+def basis_asked_for(options: Headless, command: str, project: "Project | None") -> "ReportBasis | None":
     """Return what the report takes from the user; None where no report is wanted."""
     if not options.report:
         if options.fields:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Measure(headless.Headless):
+class MeasureScans(headless.Headless):
     """Measure scans without a browser and write JSON, CSV and a coloured debug PLY for each.
 
     With --rules the JSON holds the check against that rule set as well.
@@ -28,10 +28,10 @@ class Measure(headless.Headless):
 def run(args: list[str]) -> int:
     """Measure every scan and write its files; return the exit code."""
     project = headless.given_project("measure", args)
-    start = Measure(settings=preset_params(args) if project is None else project.params)
-    measure = parse_arguments(Measure, "measure", args, start)
+    start = MeasureScans(settings=preset_params(args) if project is None else project.params)
+    measure = parse_arguments(MeasureScans, "measure", args, start)
     rules = headless.rules_of(args, measure, "measure", project)
-    basis = headless.basis_of(measure, "measure", project)
+    basis = headless.basis_asked_for(measure, "measure", project)
     made_at = headless.time_of_report()
     check_folder(measure.out)
     paths, worst = headless.paths_of(measure, "measure", project)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 from typing_extensions import Doc
 
-from stair_inspector.cli.arguments import Common, check_folder, parse_arguments, preset_params
+from stair_inspector.cli.arguments import CommonOptions, check_folder, parse_arguments, preset_params
 from stair_inspector.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class View(Common):
+class ViewScans(CommonOptions):
     """Open the web inspector on scans, on folders of scans, or on a bundled sample."""
 
     scans: Annotated[
@@ -44,7 +44,7 @@ class View(Common):
 
 def run(args: list[str]) -> int:
     """Serve the page until it is interrupted; return the exit code."""
-    view = parse_arguments(View, "view", args, View(settings=preset_params(args)))
+    view = parse_arguments(ViewScans, "view", args, ViewScans(settings=preset_params(args)))
     from stair_inspector.files.paths import sample_scans
     from stair_inspector.files.scans import find_scans
     from stair_inspector.geometry.open3d import check_system_libraries

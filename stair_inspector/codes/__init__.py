@@ -3,7 +3,7 @@
 from stair_inspector.codes.findings import DECISIONS, Check, Decision, Finding, Fit, Verdict, gravest
 from stair_inspector.codes.judge import check
 from stair_inspector.codes.rules import Condition, Limit, Rule, RuleEdit, RuleSet, edited, overlaid
-from stair_inspector.units import display_of, shown
+from stair_inspector.units import notation_of, shown
 
 __all__ = [
     "DECISIONS",
@@ -18,9 +18,9 @@ __all__ = [
     "RuleSet",
     "Verdict",
     "check",
-    "display_of",
     "edited",
     "gravest",
+    "notation_of",
     "overlaid",
     "shown",
 ]

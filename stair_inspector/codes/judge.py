@@ -213,7 +213,7 @@ class _Judge:
             return f"not measured at step {step.step_id}: {_NO_NUMBER}"
         here, above = step.step_id, step.step_id + 1
         is_last = here == flight.step_ids[-1]
-        reach = quantity_of(quantity).reach
+        rests_on = quantity_of(quantity).rests_on
         for further, code in quantity_of(quantity).lost_by:
             if is_last and further:
                 continue
@@ -221,12 +221,12 @@ class _Judge:
                 if (note.step, note.code) == (here + further, code):
                     return note.message
         # Of a nosing that was none, its neighbours have nothing either.
-        near = () if reach == "tread" else (here, above, here - 1)
+        near = () if rests_on == "tread" else (here, above, here - 1)
         for number in near:
             for note in self._inspection.notes:
                 if note.step == number and note.code in NO_NOSING and number in flight.step_ids:
                     return note.message
-        if is_last and reach in ("to_next", "both"):
+        if is_last and rests_on in ("to_next", "both"):
             return f"no nosing was seen above step {here}, up to which its going is measured"
         return f"not measured at step {here}"
 

@@ -2,7 +2,7 @@
 
 from stair_inspector.codes.findings import Finding
 from stair_inspector.codes.rules import Limit, Rule, RuleEdit, RuleSet
-from stair_inspector.units import display_of, shown
+from stair_inspector.units import notation_of, shown
 
 
 def value_text(found: Finding) -> str:
@@ -41,6 +41,6 @@ def place_text(found: Finding) -> str:
 
 def gap_text(rule: Rule, gap: float) -> str:
     """Return a distance to a limit; one that rounds to nothing is not shown as nothing."""
-    scale, _, digits = display_of(rule.quantity)
+    scale, _, digits = notation_of(rule.quantity)
     least = 10.0**-digits / scale
     return f"less than {shown(rule.quantity, least)}" if 0.0 < gap < least / 2.0 else shown(rule.quantity, gap)

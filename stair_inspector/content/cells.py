@@ -12,7 +12,7 @@ QUANTITY_WORDS: dict[str, str] = {**{quantity.name: quantity.words for quantity 
 """Our quantities, in words."""
 
 
-def mm(value_m: float | None) -> float | None:
+def millimetres(value_m: float | None) -> float | None:
     """Return a length in millimetres, to the nanometre as in the CSV."""
     return None if value_m is None else round(value_m * 1000.0, 6)
 
@@ -38,7 +38,7 @@ def columns_for(quantity: Quantity) -> tuple[Column, Column]:
 
 def cells_of(quantity: Quantity, measured: Measured | None) -> tuple[Cell, Cell]:
     """Return the cells under :func:`columns_for`: the value to be rounded where its uncertainty is, and that."""
-    scale, digits = quantity.display.scale, unit_in_report(quantity.unit)[1]
+    scale, digits = quantity.notation.scale, unit_in_report(quantity.unit)[1]
     if measured is None:
         return None, None
     if scale == 1.0:
@@ -48,7 +48,7 @@ def cells_of(quantity: Quantity, measured: Measured | None) -> tuple[Cell, Cell]
 
 def lengths(measured: Measured | None) -> tuple[float | None, float | None]:
     """Return a length and its uncertainty in millimetres."""
-    return (None, None) if measured is None else (mm(measured.value), mm(measured.u))
+    return (None, None) if measured is None else (millimetres(measured.value), millimetres(measured.u))
 
 
 def angles(measured: Measured | None) -> tuple[float | None, float | None]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stair_inspector.content.cells import lengths, mm, unit_in_report, with_u
+from stair_inspector.content.cells import lengths, millimetres, unit_in_report, with_u
 from stair_inspector.content.document import Cell, Column, Number, Status, Table, Tone, plain
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.readings import TapeReading
@@ -51,7 +51,14 @@ def closure_table(inspection: Inspection) -> Table:
         if rises is None or planes is None:
             why = "a rise was not measured" if rises is None else "the surface at its foot was not seen as a plane"
             rows.append(
-                (flight.flight_id, *lengths(rises), mm(planes), None, None, Status(f"not possible: {why}", "plain"))
+                (
+                    flight.flight_id,
+                    *lengths(rises),
+                    millimetres(planes),
+                    None,
+                    None,
+                    Status(f"not possible: {why}", "plain"),
+                )
             )
             continue
         steps = steps_of(inspection, flight)
@@ -62,7 +69,7 @@ def closure_table(inspection: Inspection) -> Table:
             (
                 flight.flight_id,
                 *lengths(rises),
-                mm(planes),
+                millimetres(planes),
                 *_told_apart(*lengths(difference)),
                 Status(words, "good" if is_closed else "close"),
             )
@@ -133,7 +140,7 @@ def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
     tones: list[tuple[int, Tone]] = []
     for reading in basis.readings:
         quantity = quantity_of(reading.quantity)
-        scale, (unit, digits) = quantity.display.scale, unit_in_report(quantity.unit)
+        scale, (unit, digits) = quantity.notation.scale, unit_in_report(quantity.unit)
         found = compared(inspection, reading)
         scanned, difference, result = found.scanned, found.difference, found.result
         if result.tone in ("bad", "close"):

@@ -13,7 +13,7 @@ from typing import Any, Literal, get_args
 
 from stair_inspector.content.images import LARGEST_IMAGE_BYTES, Photo, photo_as_kept, read_logo, read_photo
 from stair_inspector.content.readings import FLIGHT_READINGS, STEP_READINGS, TapeReading, parse_reading
-from stair_inspector.content.texts import check_text
+from stair_inspector.content.texts import require_text
 from stair_inspector.content.written import split_unit
 from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.toml import check_keys, read_toml
@@ -35,7 +35,7 @@ class _Texts:
 
     def __post_init__(self) -> None:
         for item in dataclasses.fields(self):
-            object.__setattr__(self, item.name, check_text(getattr(self, item.name), item.name))
+            object.__setattr__(self, item.name, require_text(getattr(self, item.name), item.name))
 
     @classmethod
     def label_of(cls, name: str) -> str:
@@ -59,7 +59,7 @@ class ReportFields(_Texts):
     Raises
     ------
     ConfigError
-        A field is no text, too long, or holds what :func:`check_text` refuses.
+        A field is no text, too long, or holds what :func:`require_text` refuses.
     """
 
     title: str = _text("Title", "Heading of the report; empty for 'Stair survey report'")

@@ -1,6 +1,6 @@
 """The tables of what the numbers rest on: parts of the uncertainty, surfaces, notes."""
 
-from stair_inspector.content.cells import mm
+from stair_inspector.content.cells import millimetres
 from stair_inspector.content.document import Column, Table
 from stair_inspector.content.note_words import note_words
 from stair_inspector.measured import COMMON_PARTS, OWN_PARTS, part_of
@@ -27,7 +27,7 @@ def budget_table(inspection: Inspection) -> Table:
         ]
         if not found:
             continue
-        scale, unit, _ = quantity.display
+        scale, unit, _ = quantity.notation
         step_id, worst = max(found, key=lambda pair: pair[1].u)
         parts = [round(part_of(worst, part) * scale, 6) or None for part in _PARTS]
         least = min(value.u for _, value in found)
@@ -53,7 +53,7 @@ def surfaces_table(inspection: Inspection) -> Table:
     rows = tuple(
         (
             patch.patch_id,
-            mm(patch.height_m),
+            millimetres(patch.height_m),
             patch.area_m2,
             patch.plane.n_points,
             patch.kind,

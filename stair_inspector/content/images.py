@@ -5,7 +5,7 @@ import warnings
 from dataclasses import dataclass
 from typing import Literal
 
-from stair_inspector.content.texts import check_text
+from stair_inspector.content.texts import require_text
 from stair_inspector.errors import ConfigError
 
 LARGEST_IMAGE_BYTES = 20_000_000
@@ -26,7 +26,7 @@ class Photo:
     caption: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "caption", check_text(self.caption, "a photo's caption"))
+        object.__setattr__(self, "caption", require_text(self.caption, "a photo's caption"))
 
 
 def read_logo(data: bytes, place: str = "logo") -> bytes:

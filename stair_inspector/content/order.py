@@ -54,7 +54,7 @@ class Pictures:
     drawings: tuple[Figure, ...] = ()
 
 
-def build(
+def build_document(
     inspection: Inspection,
     check: Check | None,
     basis: ReportBasis,

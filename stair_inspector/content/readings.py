@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from stair_inspector.codes.rules import LENGTH_UNITS, parse_written
-from stair_inspector.content.texts import check_text
+from stair_inspector.content.texts import require_text
 from stair_inspector.content.written import split_unit
 from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.toml import check_keys
@@ -83,7 +83,7 @@ class TapeReading:
         if self.at is not None:
             object.__setattr__(self, "at", _check_place(self.at, f"{place}: at", is_of_step=self.step is not None))
         for name in ("instrument", "note"):
-            object.__setattr__(self, name, check_text(getattr(self, name), f"{place}: {name}"))
+            object.__setattr__(self, name, require_text(getattr(self, name), f"{place}: {name}"))
 
     @property
     def unit(self) -> str:

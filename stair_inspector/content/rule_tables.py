@@ -12,7 +12,7 @@ from stair_inspector.content.fields import Checklist
 from stair_inspector.content.note_words import note_words
 from stair_inspector.model import Inspection
 from stair_inspector.quantities import QUANTITIES
-from stair_inspector.units import display_of, places_of
+from stair_inspector.units import notation_of, places_of
 
 _MAPPED = {quantity.name: quantity.words for quantity in QUANTITIES if quantity.is_other_in_codes}
 """Quantities whose name in a code is not ours, or is that of another of ours: a US tread depth is our going."""
@@ -34,7 +34,7 @@ def scaled(rule: Rule, value: float | None, *, is_u: bool = False) -> Cell:
     """Return a value of a rule's quantity in the unit in which it is shown."""
     if value is None:
         return None
-    scale, _, digits = display_of(rule.quantity)
+    scale, _, digits = notation_of(rule.quantity)
     number = round(value * scale, 6)
     return number if is_u else Number(number, digits)
 
@@ -43,7 +43,7 @@ def measured_cell(rule: Rule, value: float | None, u: float | None) -> Cell:
     """Return a measured value in the unit in which it is shown, rounded where its uncertainty is."""
     if value is None:
         return None
-    scale, _, digits = display_of(rule.quantity)
+    scale, _, digits = notation_of(rule.quantity)
     return Number(round(value * scale, 6), places_of(None if u is None else u * scale, digits))
 
 
@@ -51,7 +51,7 @@ def margin_cell(rule: Rule, margin: float | None) -> Cell:
     """Return a distance to a limit; one that would be rounded to nothing has as many decimals as show it."""
     if margin is None:
         return None
-    scale, _, digits = display_of(rule.quantity)
+    scale, _, digits = notation_of(rule.quantity)
     number = round(margin * scale, 6)
     while number and not round(number, digits):
         digits += 1
@@ -60,7 +60,7 @@ def margin_cell(rule: Rule, margin: float | None) -> Cell:
 
 def unit_of(rule: Rule) -> str:
     """Return the unit in which values of a rule's quantity are shown."""
-    return display_of(rule.quantity).unit
+    return notation_of(rule.quantity).unit
 
 
 def results_table(check: Check) -> Table:

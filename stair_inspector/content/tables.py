@@ -11,7 +11,7 @@ from stair_inspector.content.cells import (
     cells_of,
     columns_for,
     lengths,
-    mm,
+    millimetres,
     pair,
     rounded,
     unit_in_report,
@@ -71,16 +71,16 @@ def flights_table(inspection: Inspection) -> Table:
                 flight.n_risers,
                 *rounded(lengths(flight_value(inspection, flight, "flight_rise")), 1),
                 *rounded(lengths(flight_value(inspection, flight, "flight_run")), 1),
-                None if flight.rise is None else mm(flight.rise.mean),
-                None if flight.going is None else mm(flight.going.mean),
+                None if flight.rise is None else millimetres(flight.rise.mean),
+                None if flight.going is None else millimetres(flight.going.mean),
                 *rounded(angles(flight.pitch_deg), 2),
                 *rounded(lengths(flight.width_m), 1),
                 *(rounded(lengths(flight.radius_m), 0) if has_radius else ()),
-                None if flight.rise is None else mm(flight.rise.range),
-                None if flight.rise is None else mm(flight.rise.max_adjacent),
+                None if flight.rise is None else millimetres(flight.rise.range),
+                None if flight.rise is None else millimetres(flight.rise.max_adjacent),
                 pair(flight.rise),
-                None if flight.going is None else mm(flight.going.range),
-                None if flight.going is None else mm(flight.going.max_adjacent),
+                None if flight.going is None else millimetres(flight.going.range),
+                None if flight.going is None else millimetres(flight.going.max_adjacent),
                 pair(flight.going),
                 *((flight.goes_on,) if has_more else ()),
             )
@@ -129,10 +129,10 @@ def evidence_table(inspection: Inspection, check: Check | None) -> Table:
                 step.step_id,
                 step.kind,
                 *(cell for each in in_report("evidence") for cell in cells_of(each, each.of(step, above))),
-                *(mm(value) for each in ON_LINES for value in each.lines_of(step)),
+                *(millimetres(value) for each in ON_LINES for value in each.lines_of(step)),
                 step.plane.n_points,
                 None if step.coverage is None else round(100.0 * step.coverage, 6),
-                mm(step.plane.rms_m),
+                millimetres(step.plane.rms_m),
                 _flags(inspection, step, told.get(step.step_id, ())),
             )
         )
@@ -165,9 +165,9 @@ def paper_table(inspection: Inspection) -> Table:
     rows = tuple(
         (
             step.step_id,
-            *(mm(value) if each.unit == "m" else value for each, value in _of_paper(step)),
+            *(millimetres(value) if each.unit == "m" else value for each, value in _of_paper(step)),
             step.plane.n_points,
-            mm(step.plane.rms_m),
+            millimetres(step.plane.rms_m),
         )
         for step in inspection.steps
     )
@@ -213,12 +213,12 @@ def uniformity_table(inspection: Inspection) -> Table:
                     flight.flight_id,
                     quantity.words,
                     found.n,
-                    mm(found.mean),
-                    mm(statistics.stdev(values)) if len(values) > 1 else None,
-                    mm(found.min),
-                    mm(found.max),
-                    mm(found.range),
-                    mm(found.max_adjacent),
+                    millimetres(found.mean),
+                    millimetres(statistics.stdev(values)) if len(values) > 1 else None,
+                    millimetres(found.min),
+                    millimetres(found.max),
+                    millimetres(found.range),
+                    millimetres(found.max_adjacent),
                     pair(found),
                 )
             )

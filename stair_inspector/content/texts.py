@@ -9,7 +9,7 @@ LONGEST_TEXT = 4000
 """Characters of one field: half a page."""
 
 
-def check_text(value: object, name: str) -> str:
+def require_text(value: object, name: str) -> str:
     """Return a user's text without blanks at its ends; a date or time, as TOML knows them, is written as in ISO 8601.
 
     Raises

@@ -7,7 +7,7 @@ from typing import Literal
 
 from stair_inspector.units import tidy
 
-Place = tuple[float, float]
+SheetPoint = tuple[float, float]
 Layer = Literal[
     "STAIR-NOSING",
     "STAIR-OUTLINE",
@@ -23,7 +23,7 @@ Layer = Literal[
     "STAIR-NOT-MEASURED",
     "STAIR-TITLE",
 ]
-Anchor = Literal["start", "middle", "end"]
+TextAnchor = Literal["start", "middle", "end"]
 NOT_MEASURED = "not measured"
 _TEXT_ROOM = 1.7
 """Beside a dimension line, in heights of the letters."""
@@ -33,7 +33,7 @@ _TEXT_ROOM = 1.7
 class Path:
     """A line through several places, perhaps closed."""
 
-    places: tuple[Place, ...]
+    places: tuple[SheetPoint, ...]
     layer: Layer
     is_closed: bool = False
 
@@ -42,7 +42,7 @@ class Path:
 class Circle:
     """A circle, for example around a step's number."""
 
-    centre: Place
+    centre: SheetPoint
     radius: float
     layer: Layer
 
@@ -51,8 +51,8 @@ class Circle:
 class Arrow:
     """A line with a filled head at its end."""
 
-    start: Place
-    end: Place
+    start: SheetPoint
+    end: SheetPoint
     head: float
     layer: Layer
 
@@ -62,10 +62,10 @@ class Words:
     """A text in its middle height at a place; ``size`` is the height of its capitals, ``turn_deg`` anticlockwise."""
 
     text: str
-    at: Place
+    at: SheetPoint
     size: float
     layer: Layer
-    anchor: Anchor = "middle"
+    anchor: TextAnchor = "middle"
     turn_deg: float = 0.0
 
 
@@ -76,10 +76,10 @@ class Dimension:
     ``text_share`` is the place of the text along the line, from its start (0) to its end (1).
     """
 
-    start: Place
-    end: Place
+    start: SheetPoint
+    end: SheetPoint
     turn_deg: float
-    line: Place
+    line: SheetPoint
     layer: Layer
     text_share: float = 0.5
 
@@ -95,7 +95,7 @@ class Dimension:
         return f"{tidy(self.value_mm, 1):.1f}"
 
     @property
-    def feet(self) -> tuple[Place, Place]:
+    def feet(self) -> tuple[SheetPoint, SheetPoint]:
         """The two ends of the dimension line."""
         turn = math.radians(self.turn_deg)
         across = (-math.sin(turn), math.cos(turn))
@@ -106,7 +106,7 @@ class Dimension:
         return ends[0], ends[1]
 
     @property
-    def text_at(self) -> Place:
+    def text_at(self) -> SheetPoint:
         """The place on the dimension line at which its text stands."""
         (x1, y1), (x2, y2) = self.feet
         return x1 + self.text_share * (x2 - x1), y1 + self.text_share * (y2 - y1)
@@ -141,7 +141,7 @@ class Drawing:
         return [part for part in self.parts if isinstance(part, Dimension)]
 
 
-def _places(part: Part) -> Iterator[Place]:
+def _places(part: Part) -> Iterator[SheetPoint]:
     if isinstance(part, Path):
         yield from part.places
     elif isinstance(part, Circle):
@@ -155,7 +155,7 @@ def _places(part: Part) -> Iterator[Place]:
         yield from _corners(part)
 
 
-def _corners(words: Words) -> Iterator[Place]:
+def _corners(words: Words) -> Iterator[SheetPoint]:
     """Return about where a text begins and ends."""
     length = 0.62 * words.size * len(words.text)
     before = {"start": 0.0, "middle": 0.5, "end": 1.0}[words.anchor]
@@ -173,7 +173,7 @@ def readable_deg(turn_deg: float) -> float:
     return turn if -89.0 < turn <= 91.0 else turn - math.copysign(180.0, turn)
 
 
-def head_of(arrow: Arrow) -> tuple[Place, Place, Place]:
+def head_of(arrow: Arrow) -> tuple[SheetPoint, SheetPoint, SheetPoint]:
     """Return the three corners of an arrow's head, its tip first."""
     (x0, y0), (x1, y1) = arrow.start, arrow.end
     length = max(((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5, 1e-9)

@@ -15,7 +15,7 @@ from stair_inspector.drawings.model import (
     Drawing,
     Part,
     Path,
-    Place,
+    SheetPoint,
     Words,
 )
 from stair_inspector.geometry.arrays import Floats
@@ -103,7 +103,7 @@ class _Frame:
         self._x = _climb(step)
         self._y = np.cross(up, self._x)
 
-    def place(self, point: Floats) -> Place:
+    def place(self, point: Floats) -> SheetPoint:
         """Return a place of the scan, local metres, in the plan, millimetres."""
         offset = point - self._origin
         return float(offset @ self._x) * _MM, float(offset @ self._y) * _MM
@@ -113,7 +113,7 @@ class _Frame:
         climb = _climb(step)
         return math.degrees(math.atan2(float(climb @ self._y), float(climb @ self._x)))
 
-    def corners(self, step: Step) -> list[Place]:
+    def corners(self, step: Step) -> list[SheetPoint]:
         """Return the corners of a step's surface: front left, front right, back right, back left."""
         return [self.place(corner) for corner in step.corners]
 
@@ -132,18 +132,18 @@ def _climb(step: Step) -> Floats:
     return step.climb
 
 
-def _ahead(place: Place, turn_deg: float, distance: float) -> Place:
+def _ahead(place: SheetPoint, turn_deg: float, distance: float) -> SheetPoint:
     turn = math.radians(turn_deg)
     return place[0] + distance * math.cos(turn), place[1] + distance * math.sin(turn)
 
 
-def _along(place: Place, turn_deg: float) -> float:
+def _along(place: SheetPoint, turn_deg: float) -> float:
     """Return how far a place lies from the origin along a direction."""
     turn = math.radians(turn_deg)
     return place[0] * math.cos(turn) + place[1] * math.sin(turn)
 
 
-def _between(a: Place, b: Place, share: float = 0.5) -> Place:
+def _between(a: SheetPoint, b: SheetPoint, share: float = 0.5) -> SheetPoint:
     return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
 
 
@@ -165,7 +165,9 @@ def _flights(inspection: Inspection, steps: Sequence[Step], frame: _Frame, text_
     return found
 
 
-def _free_side(steps: Sequence[Step], others: Sequence[Place], axis: float, frame: _Frame, text_mm: float) -> float:
+def _free_side(
+    steps: Sequence[Step], others: Sequence[SheetPoint], axis: float, frame: _Frame, text_mm: float
+) -> float:
     """Return the side of a flight on which its chain of goings crosses no other flight: the right if it can be."""
     own = [corner for step in steps for corner in frame.corners(step)]
     low, high = min(_along(corner, axis) for corner in own), max(_along(corner, axis) for corner in own)
@@ -244,7 +246,7 @@ def _going(
 def _walking_line(steps: Sequence[Step], frame: _Frame, up: Floats, text_mm: float) -> list[Part]:
     """Return the line through the nosings' centres, a circle at each foot of it and an arrow at each head."""
     parts: list[Part] = []
-    places: list[Place] = []
+    places: list[SheetPoint] = []
     for step, after in itertools.zip_longest(steps, steps[1:]):
         here = frame.place(_centre(step))
         if not places:
@@ -262,7 +264,7 @@ def _walking_line(steps: Sequence[Step], frame: _Frame, up: Floats, text_mm: flo
     return parts
 
 
-def _round_the_turn(landing: Step, after: Step, frame: _Frame) -> list[Place]:
+def _round_the_turn(landing: Step, after: Step, frame: _Frame) -> list[SheetPoint]:
     """Return where one turns on a landing: where the two lines of climb meet, or in its middle to turn back."""
     first, second = frame.turn_deg(landing), frame.turn_deg(after)
     cosine = math.cos(math.radians(second - first))
@@ -281,5 +283,5 @@ def _round_the_turn(landing: Step, after: Step, frame: _Frame) -> list[Place]:
     return [_ahead(here, first, t)]
 
 
-def _to(start: Place, end: Place) -> Place:
+def _to(start: SheetPoint, end: SheetPoint) -> SheetPoint:
     return end[0] - start[0], end[1] - start[1]

@@ -16,7 +16,7 @@ from stair_inspector.drawings.model import (
 )
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Flight, Inspection, Step
-from stair_inspector.pictures.nosing_line import is_joined, nosing_line, walking_line
+from stair_inspector.pictures.nosing_line import is_joined, line_over_nosings, nosing_line
 from stair_inspector.units import tidy, u_text
 
 _MM = 1000.0
@@ -93,7 +93,7 @@ def _placed(inspection: Inspection, steps: Sequence[Step]) -> list[_Nosing]:
     placed: list[_Nosing] = []
     for flight in inspection.flights:
         own = [step for step in steps if step.flight == flight.flight_id]
-        walk = walking_line(own, up) if own else None
+        walk = line_over_nosings(own, up) if own else None
         if walk is None:
             continue
         x0 = _start(placed[-1] if placed else None, own[0], up)

@@ -3,7 +3,6 @@
 import math
 
 from stair_inspector.drawings.model import (
-    Anchor,
     Arrow,
     Circle,
     Dimension,
@@ -11,7 +10,8 @@ from stair_inspector.drawings.model import (
     Layer,
     Part,
     Path,
-    Place,
+    SheetPoint,
+    TextAnchor,
     Words,
     head_of,
     readable_deg,
@@ -66,7 +66,7 @@ def sheet_svg(drawing: Drawing, points_per_mm: float) -> str:
     room = svg.PAGE - 3.0 * _MARGIN - _LONGEST_BAR
     for note in drawing.notes:
         for words in _wrapped(note, room):
-            body += svg.text(_MARGIN, y, words, "start", _NOTE, svg.DIM)
+            body += svg.text_element(_MARGIN, y, words, "start", _NOTE, svg.DIM)
             y += _NOTE_LINE
     return svg.picture(svg.PAGE, y + 2.0, drawing.title, body)
 
@@ -77,7 +77,7 @@ class _Paper:
     def __init__(self, scale: float, x: float, y: float) -> None:
         self.scale, self._x, self._y = scale, x, y
 
-    def at(self, place: Place) -> Place:
+    def at(self, place: SheetPoint) -> SheetPoint:
         return self._x + self.scale * place[0], self._y - self.scale * place[1]
 
 
@@ -108,7 +108,7 @@ def _part(part: Part, paper: _Paper) -> str:
     return _dimension(part, paper, color, width)
 
 
-_TURNED: dict[Anchor, Anchor] = {"start": "end", "middle": "middle", "end": "start"}
+_TURNED: dict[TextAnchor, TextAnchor] = {"start": "end", "middle": "middle", "end": "start"}
 """What an anchor becomes where words are turned half around, to be read from below."""
 
 
@@ -122,7 +122,7 @@ def _words(part: Words, paper: _Paper, color: str) -> str:
     # Below its middle by half a capital, along the turned upright.
     x -= math.sin(math.radians(turn)) * _CAPITALS * size / 2.0
     y += math.cos(math.radians(turn)) * _CAPITALS * size / 2.0
-    return svg.text(x, y, part.text, anchor, round(size, 2), color, turn_deg=turn, has_halo=True)
+    return svg.text_element(x, y, part.text, anchor, round(size, 2), color, turn_deg=turn, has_halo=True)
 
 
 def _dimension(part: Dimension, paper: _Paper, color: str, width: float) -> str:
@@ -142,21 +142,21 @@ def _dimension(part: Dimension, paper: _Paper, color: str, width: float) -> str:
     is_rise = part.layer == "STAIR-DIM-RISE"
     if is_rise:
         # Beside its line: a riser is lower than its number is long.
-        parts.append(svg.text(x - 2.0, y + 0.36 * size, part.text, "end", round(size, 2), color, has_halo=True))
+        parts.append(svg.text_element(x - 2.0, y + 0.36 * size, part.text, "end", round(size, 2), color, has_halo=True))
     else:
         readable = -readable_deg(part.turn_deg)
         small = min(1.0, 0.94 * length / max(svg.width_of(part.text, size), 1e-9))
         away = 1.6
         x += math.sin(math.radians(readable)) * away
         y -= math.cos(math.radians(readable)) * away
-        shown = svg.text(
+        shown = svg.text_element(
             x, y, part.text, "middle", round(max(small, 0.6) * size, 2), color, turn_deg=readable, has_halo=True
         )
         parts.append(shown)
     return "".join(parts)
 
 
-def _extension(end: Place, foot: Place) -> str:
+def _extension(end: SheetPoint, foot: SheetPoint) -> str:
     """Return the thin line from a measured place to its dimension line, if they are apart."""
     length = math.dist(end, foot)
     if length < 4.0:
@@ -174,8 +174,8 @@ def _bar(right: float, y: float, points_per_mm: float) -> str:
         f'stroke-width="0.4" fill="{svg.INK if k % 2 == 0 else "#ffffff"}"/>'
         for k in range(4)
     ]
-    parts.append(svg.text(left, y + 10.0, "0", "middle", _NOTE, svg.DIM))
-    parts.append(svg.text(right, y + 10.0, words, "end", _NOTE, svg.DIM))
+    parts.append(svg.text_element(left, y + 10.0, "0", "middle", _NOTE, svg.DIM))
+    parts.append(svg.text_element(right, y + 10.0, words, "end", _NOTE, svg.DIM))
     return "".join(parts)
 
 

@@ -18,14 +18,14 @@ from stair_inspector.files.raw_cloud import (
     READ_STAGE,
     RED_GREEN_BLUE,
     TRUNCATED_HINT,
+    NumberLines,
     RawCloud,
-    Table,
     as_declared,
     check_rest_is_padding,
     cloud_from_columns,
     cut_note,
+    excerpt,
     parse_count,
-    shown,
     strided_column,
 )
 from stair_inspector.model import Note
@@ -108,7 +108,7 @@ def parse_pcd_header(data: bytes) -> PcdHeader:
         keyword = "FIELDS" if words[0] == "COLUMNS" else words[0]
         if keyword not in _KEYWORDS or keyword in entries:
             problem = "twice" if keyword in entries else "which means nothing there"
-            raise ReadError(f"its PCD header has the line '{shown(line)}', {problem}; {_HINT}")
+            raise ReadError(f"its PCD header has the line '{excerpt(line)}', {problem}; {_HINT}")
         entries[keyword] = words[1:]
         if keyword == "DATA":
             return _checked_header(entries, at)
@@ -126,7 +126,7 @@ def _checked_header(entries: Mapping[str, list[str]], body: int) -> PcdHeader:
         raise ReadError(f"its PCD header states {stated} POINTS but WIDTH x HEIGHT is {width} x {height}; {_HINT}")
     storage = " ".join(entries["DATA"])
     if storage not in _STORAGES:
-        raise ReadError(f"its PCD data is '{shown(storage)}', known are {', '.join(_STORAGES)}; {_HINT}")
+        raise ReadError(f"its PCD data is '{excerpt(storage)}', known are {', '.join(_STORAGES)}; {_HINT}")
     names = [name.lower() for name in entries["FIELDS"]]
     counts = entries.get("COUNT", ["1"] * len(names))
     lengths = (len(names), len(entries["SIZE"]), len(entries["TYPE"]), len(counts))
@@ -134,17 +134,19 @@ def _checked_header(entries: Mapping[str, list[str]], body: int) -> PcdHeader:
         raise ReadError(f"its PCD FIELDS, SIZE, TYPE and COUNT have {lengths} entries instead of the same; {_HINT}")
     twice = [name for name in names if name != _PADDING and names.count(name) > 1]
     if twice:
-        raise ReadError(f"its PCD header has the field '{shown(twice[0])}' twice; {_HINT}")
+        raise ReadError(f"its PCD header has the field '{excerpt(twice[0])}' twice; {_HINT}")
     fields: list[PcdField] = []
     offset = 0
     for name, size, kind, count in zip(names, entries["SIZE"], entries["TYPE"], counts, strict=True):
         if kind not in _SIZES or size not in _SIZES[kind]:
-            raise ReadError(f"its PCD field '{shown(name)}' has the unknown type '{shown(f'{kind} {size}')}'; {_HINT}")
-        number = parse_count(count, f"the COUNT of PCD field '{shown(name)}'")
+            raise ReadError(
+                f"its PCD field '{excerpt(name)}' has the unknown type '{excerpt(f'{kind} {size}')}'; {_HINT}"
+            )
+        number = parse_count(count, f"the COUNT of PCD field '{excerpt(name)}'")
         if name in _PACKED_COLORS and (size, number) != ("4", 1):
-            raise ReadError(f"its PCD field '{shown(name)}' has {size} x {number} bytes instead of 4; {_HINT}")
+            raise ReadError(f"its PCD field '{excerpt(name)}' has {size} x {number} bytes instead of 4; {_HINT}")
         if number == 0 or (number > 1 and name in ("x", "y", "z")):
-            raise ReadError(f"its PCD field '{shown(name)}' has COUNT {number} instead of 1; {_HINT}")
+            raise ReadError(f"its PCD field '{excerpt(name)}' has COUNT {number} instead of 1; {_HINT}")
         fields.append(PcdField(name, f"<{kind.lower()}{size}", number, offset))
         offset += fields[-1].size
     return PcdHeader(tuple(fields), n_points, storage, body)
@@ -233,7 +235,7 @@ def _decompressed(data: bytes, header: PcdHeader, needed: int) -> bytearray:
 
 
 def _read_ascii(data: bytes, header: PcdHeader) -> RawCloud:
-    values, n_after, is_cut = Table(
+    values, n_after, is_cut = NumberLines(
         data, header.body, sum(item.count for item in header.fields), header.n_points
     ).parse()
     if n_after:

@@ -11,14 +11,14 @@ import numpy as np
 from stair_inspector.errors import ReadError
 from stair_inspector.files.raw_cloud import (
     TRUNCATED_HINT,
+    NumberLines,
     RawCloud,
-    Table,
     as_declared,
     check_rest_is_padding,
     cloud_from_columns,
     cut_note,
+    excerpt,
     parse_count,
-    shown,
     strided_column,
 )
 
@@ -127,13 +127,15 @@ def parse_ply_header(data: bytes) -> PlyHeader:
             form = words[1]
             _checked_format(form)
             if words[2] != "1.0":
-                raise ReadError(f"is PLY version '{shown(words[2])}', only 1.0 is known; {_ELEMENT_HINT}")
+                raise ReadError(f"is PLY version '{excerpt(words[2])}', only 1.0 is known; {_ELEMENT_HINT}")
         elif keyword == "element" and len(words) == 3 and form is not None:
-            elements.append(PlyElement(words[1], parse_count(words[2], f"the number of PLY '{shown(words[1])}'")))
+            elements.append(PlyElement(words[1], parse_count(words[2], f"the number of PLY '{excerpt(words[1])}'")))
         elif keyword == "property" and elements:
             elements[-1].properties.append(_property(words, _BYTE_ORDERS[_checked_format(form)]))
         else:
-            raise ReadError(f"its PLY header has the line '{shown(line)}', which means nothing there; {_ELEMENT_HINT}")
+            raise ReadError(
+                f"its PLY header has the line '{excerpt(line)}', which means nothing there; {_ELEMENT_HINT}"
+            )
     raise ReadError(f"its PLY header does not end with 'end_header'; {TRUNCATED_HINT}")
 
 
@@ -141,7 +143,7 @@ def _checked_format(form: str | None) -> str:
     if form is None:
         raise ReadError(f"its PLY header has no 'format' line; {_ELEMENT_HINT}")
     if form not in _BYTE_ORDERS:
-        raise ReadError(f"its PLY format is '{shown(form)}', known are {', '.join(_BYTE_ORDERS)}; {_ELEMENT_HINT}")
+        raise ReadError(f"its PLY format is '{excerpt(form)}', known are {', '.join(_BYTE_ORDERS)}; {_ELEMENT_HINT}")
     return form
 
 
@@ -150,10 +152,10 @@ def _property(words: list[str], order: str) -> PlyProperty:
     types = words[2:4] if is_list else words[1:2]
     unknown = [word for word in types if word not in _TYPES]
     if unknown or not (is_list or len(words) == 3):
-        raise ReadError(f"its PLY header has the property '{shown(' '.join(words[1:]))}', unknown; {_ELEMENT_HINT}")
+        raise ReadError(f"its PLY header has the property '{excerpt(' '.join(words[1:]))}', unknown; {_ELEMENT_HINT}")
     codes = [order + _TYPES[word] for word in types]
     if is_list and "f" in codes[0]:
-        raise ReadError(f"the PLY list '{shown(words[4])}' has lengths that are not whole numbers; {_ELEMENT_HINT}")
+        raise ReadError(f"the PLY list '{excerpt(words[4])}' has lengths that are not whole numbers; {_ELEMENT_HINT}")
     return PlyProperty(words[-1].lower(), codes[-1], codes[0] if is_list else None)
 
 
@@ -164,7 +166,7 @@ def _checked_elements(elements: list[PlyElement]) -> tuple[PlyElement, ...]:
     names = [item.name for item in vertices[0].properties]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
-        raise ReadError(f"its PLY vertices have the property '{shown(twice[0])}' twice; {_ELEMENT_HINT}")
+        raise ReadError(f"its PLY vertices have the property '{excerpt(twice[0])}' twice; {_ELEMENT_HINT}")
     if vertices[0].count == 0 or not names:
         raise ReadError(
             f"its PLY header states {vertices[0].count} points with {len(names)} properties; {_ELEMENT_HINT}"
@@ -205,7 +207,7 @@ def _read_ascii(data: bytes, header: PlyHeader) -> RawCloud:
     counts = [element.count if element.properties else 0 for element in header.elements]
     n_before = sum(counts[: header.elements.index(vertex)])
     n_expected_after = sum(counts) - n_before - vertex.count
-    values, n_after, is_cut = Table(data, header.body, len(vertex.properties), vertex.count, n_before).parse()
+    values, n_after, is_cut = NumberLines(data, header.body, len(vertex.properties), vertex.count, n_before).parse()
     if n_after != n_expected_after:
         hint = TRUNCATED_HINT if n_after < n_expected_after else "the header is wrong, export the scan again"
         raise ReadError(
@@ -262,7 +264,7 @@ def _walk_row(data: bytes, at: int, element: PlyElement) -> tuple[int, list[tupl
             is_big = item.count_type.startswith(">")
             length = int.from_bytes(raw, "big" if is_big else "little", signed=count_type.kind == "i")
             if length < 0:
-                raise ReadError(f"its PLY '{shown(element.name)}' has a list of length {length}; {_ELEMENT_HINT}")
+                raise ReadError(f"its PLY '{excerpt(element.name)}' has a list of length {length}; {_ELEMENT_HINT}")
             lengths.append((item.count_type, at - begin, length))
             at += count_type.itemsize + length * item.size
         else:
@@ -274,6 +276,6 @@ def _walk_row(data: bytes, at: int, element: PlyElement) -> tuple[int, list[tupl
 def _check_fits(data: bytes, at: int, element: PlyElement, needed: int) -> None:
     if at + needed > len(data):
         raise ReadError(
-            f"its header states {element.count} PLY '{shown(element.name)}' but the data ends before "
+            f"its header states {element.count} PLY '{excerpt(element.name)}' but the data ends before "
             f"({max(len(data) - at, 0)} bytes left); {TRUNCATED_HINT}"
         )

@@ -20,10 +20,10 @@ from stair_inspector.files.atomic import write_atomically
 from stair_inspector.files.chosen_rules import ChosenRules, chosen_from_dict, chosen_to_dict
 from stair_inspector.files.settings import params_from_dict, params_to_dict
 from stair_inspector.files.toml import check_keys
+from stair_inspector.geometry.arrays import Point
 from stair_inspector.params import Params
 
 T = TypeVar("T")
-Point = tuple[float, float, float]
 
 SCHEMA = "stair-inspector/project-1"
 SUFFIX = ".stair.json"

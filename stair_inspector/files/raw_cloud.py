@@ -41,12 +41,12 @@ class RawCloud:
     notes: tuple[Note, ...] = ()
 
 
-def shown(text: str | bytes, limit: int = _SHOWN_CHARACTERS) -> str:
+def excerpt(text: str | bytes, limit: int = _SHOWN_CHARACTERS) -> str:
     r"""Return text from a file or a path so that it fits into a one-line message.
 
     Examples
     --------
-    >>> shown(b"two\nlines \xff")
+    >>> excerpt(b"two\nlines \xff")
     'two\\nlines \\xff'
     """
     # Cut first: a line of a hostile file may have gigabytes.
@@ -67,7 +67,7 @@ def parse_count(token: str, what: str) -> int:
         Not a plain whole number, or more digits than a file can hold points.
     """
     if not (token.isascii() and token.isdigit()) or len(token) > _COUNT_DIGITS:
-        raise ReadError(f"{what} should be a whole number, got '{shown(token)}'; export the scan again")
+        raise ReadError(f"{what} should be a whole number, got '{excerpt(token)}'; export the scan again")
     return int(token)
 
 
@@ -92,7 +92,7 @@ def check_rest_is_padding(rest: bytes, n_points: int) -> None:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class NumberLines:
     """Lines of numbers in a file: where they begin, and what they must look like.
 
     ``start`` is the byte offset of the first line; ``skip`` the lines that belong to something else; ``n_rows`` how
@@ -177,12 +177,12 @@ class Table:
             if len(tokens) != self.n_columns:
                 return ReadError(
                     f"line {number} should have {self.n_columns} columns, got {len(tokens)} "
-                    f"('{shown(line.strip())}'); correct the line or export the scan again"
+                    f"('{excerpt(line.strip())}'); correct the line or export the scan again"
                 )
             bad = next((token for token in tokens if not is_number(token)), None)
             if bad is not None:
                 return ReadError(
-                    f"line {number} holds '{shown(bad.strip())}' where a number is expected; "
+                    f"line {number} holds '{excerpt(bad.strip())}' where a number is expected; "
                     "correct the line or export the scan again"
                 )
         return ReadError("holds a line that is not numbers; export the scan again")
@@ -238,7 +238,7 @@ def cloud_from_columns(columns: Mapping[str, NDArray[Any]], notes: Sequence[Note
     """
     missing = [axis for axis in "xyz" if axis not in columns]
     if missing:
-        names = shown(", ".join(columns), 100)
+        names = excerpt(", ".join(columns), 100)
         raise ReadError(f"has no {' and no '.join(missing)} (its fields: {names}); export the scan with x, y and z")
     points = _stacked(columns, tuple("xyz"))
     if not len(points):

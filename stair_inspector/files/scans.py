@@ -22,11 +22,11 @@ from stair_inspector.files.cleaning import (
 )
 from stair_inspector.files.pcd_scan import is_pcd, read_pcd
 from stair_inspector.files.ply_scan import is_ply, read_ply
-from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, shown
+from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, excerpt
 from stair_inspector.files.text_scan import is_text, read_text
 from stair_inspector.geometry.arrays import Colors, Floats, Ints
 from stair_inspector.model import Note, Scan
-from stair_inspector.params import Unit
+from stair_inspector.params import ScanUnit
 from stair_inspector.stages.units import decide_unit
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".pts", ".csv", ".txt", ".asc")
@@ -102,7 +102,7 @@ def _is_result(path: Path) -> bool:
         return False
 
 
-def read_scan(path: Path, unit: Unit = "auto") -> Scan:
+def read_scan(path: Path, unit: ScanUnit = "auto") -> Scan:
     """Read a scan, whatever its format, into metres near zero.
 
     Parameters
@@ -131,11 +131,11 @@ def read_scan(path: Path, unit: Unit = "auto") -> Scan:
     ConfigError
         Unknown unit.
     """
-    check_value("unit", unit, Unit, None)
+    check_value("unit", unit, ScanUnit, None)
     path = Path(path)
     data = _read_bytes(path)
     try:
-        return _to_scan(_parse(path, data), unit, shown(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
+        return _to_scan(_parse(path, data), unit, excerpt(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
     except ReadError as error:
         raise ReadError(f"{_name(path)}: {error}") from error
     except MemoryError as error:
@@ -143,7 +143,7 @@ def read_scan(path: Path, unit: Unit = "auto") -> Scan:
 
 
 def _name(path: Path) -> str:
-    return shown(str(path), _PATH_CHARACTERS)
+    return excerpt(str(path), _PATH_CHARACTERS)
 
 
 def _cannot_open(path: Path, error: OSError | ValueError) -> ReadError:
@@ -151,7 +151,7 @@ def _cannot_open(path: Path, error: OSError | ValueError) -> ReadError:
         return ReadError(f"{_name(path)}: there is no such file; check the path")
     # A ValueError comes from a path with a zero byte.
     reason = error.strerror if isinstance(error, OSError) and error.strerror else "not a valid path"
-    return ReadError(f"{_name(path)}: cannot be opened ({shown(reason)}); check the path and your rights to it")
+    return ReadError(f"{_name(path)}: cannot be opened ({excerpt(reason)}); check the path and your rights to it")
 
 
 def _mode(path: Path) -> int:
@@ -201,13 +201,13 @@ def _parse(path: Path, data: bytes) -> RawCloud:
             return read_text(data)
         except ReadError as error:
             expected = "'ply'" if suffix == ".ply" else "a PCD header"
-            raise ReadError(f"does not begin with {expected} (got '{shown(data, 20)}'); {_HINT}") from error
+            raise ReadError(f"does not begin with {expected} (got '{excerpt(data, 20)}'); {_HINT}") from error
     if not is_text(data) and suffix not in SUFFIXES:
-        raise ReadError(f"is of an unknown format (it begins with '{shown(data, 20)}'); {_HINT}")
+        raise ReadError(f"is of an unknown format (it begins with '{excerpt(data, 20)}'); {_HINT}")
     return read_text(data)
 
 
-def _to_scan(raw: RawCloud, unit: Unit, name: str, sha256: str) -> Scan:
+def _to_scan(raw: RawCloud, unit: ScanUnit, name: str, sha256: str) -> Scan:
     notes = list(raw.notes)
     n_points = len(raw.points)
     kept = np.flatnonzero(np.isfinite(raw.points).all(axis=1))

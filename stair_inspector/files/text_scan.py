@@ -13,13 +13,13 @@ from stair_inspector.files.raw_cloud import (
     READ_STAGE,
     RED_GREEN_BLUE,
     TRUNCATED_HINT,
+    NumberLines,
     RawCloud,
-    Table,
     cloud_from_columns,
     cut_note,
+    excerpt,
     is_number,
     parse_count,
-    shown,
 )
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Note
@@ -87,10 +87,10 @@ def read_text(data: bytes) -> RawCloud:
     n_columns = len(preamble.row.split(None if separator is None else separator.encode("ascii")))
     if not 3 <= n_columns <= _MAX_COLUMNS:
         raise ReadError(
-            f"its lines have {n_columns} columns ('{shown(preamble.row)}'), a point needs x, y and z; "
+            f"its lines have {n_columns} columns ('{excerpt(preamble.row)}'), a point needs x, y and z; "
             "export the scan again"
         )
-    values, _, is_cut = Table(data, preamble.start, n_columns, separator=separator).parse()
+    values, _, is_cut = NumberLines(data, preamble.start, n_columns, separator=separator).parse()
     if preamble.count is not None and preamble.count != len(values):
         hint = TRUNCATED_HINT if len(values) < preamble.count else "correct the count or export the scan again"
         raise ReadError(f"its first line states {preamble.count} points but {len(values)} follow; {hint}")
@@ -132,7 +132,7 @@ def _read_preamble(data: bytes) -> _Preamble:
             return _Preamble(header, is_comment, count, start, line)
         if not is_comment or count is not None or not _names_xyz(line):
             raise ReadError(
-                f"line {number} ('{shown(line)}') is neither numbers nor a header that names x, y and z; "
+                f"line {number} ('{excerpt(line)}') is neither numbers nor a header that names x, y and z; "
                 "export the scan as PLY, PCD or XYZ"
             )
         header, is_comment = line, False
@@ -158,14 +158,14 @@ def _find_separator(row: bytes, sample: bytes) -> str | None:
         len(words) >= 3 and all(_DECIMAL_COMMA.fullmatch(word) for word in words)
     )
     if has_decimal_commas:
-        raise ReadError(f"has decimal commas ('{shown(row)}'); {_COMMA_HINT}")
+        raise ReadError(f"has decimal commas ('{excerpt(row)}'); {_COMMA_HINT}")
     if b";" in row:
         return ";"
     if b"," not in row:
         return None
     # "1,05,2,10,3,00" is three numbers with decimal commas, or six: a whole number never begins with a zero.
     if _LEADING_ZERO.search(sample) and b"." not in row:
-        raise ReadError(f"seems to have decimal commas between commas ('{shown(row)}'); {_COMMA_HINT}")
+        raise ReadError(f"seems to have decimal commas between commas ('{excerpt(row)}'); {_COMMA_HINT}")
     return ","
 
 
@@ -183,7 +183,7 @@ def _fitting_names(preamble: _Preamble, separator: str | None, n_columns: int) -
         )
     twice = [name for name in names if names.count(name) > 1]
     if twice:
-        raise ReadError(f"its header names the column '{shown(twice[0])}' twice; correct the header")
+        raise ReadError(f"its header names the column '{excerpt(twice[0])}' twice; correct the header")
     return names
 
 

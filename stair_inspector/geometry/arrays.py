@@ -12,6 +12,8 @@ Ints = NDArray[np.int64]
 Labels = NDArray[np.int16]
 Colors = NDArray[np.uint8]
 Bools = NDArray[np.bool_]
+Point = tuple[float, float, float]
+"""x, y, z."""
 
 
 def own(array: Any, shape: tuple[int | None, ...], name: str, dtype: Any = np.float64) -> NDArray[Any]:

@@ -16,7 +16,7 @@ from stair_inspector.geometry.arrays import Floats, Ints, freeze
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 
 Half = Literal["all", "above", "below"]
-Side = Literal["above", "below"]
+EdgeSide = Literal["above", "below"]
 
 _BIN_M = 0.08
 _BIN_SPACINGS = 8.0

@@ -18,7 +18,7 @@ from stair_inspector.pictures import svg
 from stair_inspector.pictures.nosing_line import NosingLine, nosing_line
 from stair_inspector.units import round_ticks, tidy, u_text
 
-Quantity = Literal["rise", "going"]
+ChartedQuantity = Literal["rise", "going"]
 
 STEPS_PER_ROW = 22
 """So many values stand beside each other and can be read where the picture is as wide as a page."""
@@ -85,7 +85,7 @@ class _Row:
         return _LEFT + (index + 0.5) * self.slot
 
 
-def step_charts(inspection: Inspection, quantity: Quantity, check: Check | None = None) -> tuple[str, ...]:
+def step_charts(inspection: Inspection, quantity: ChartedQuantity, check: Check | None = None) -> tuple[str, ...]:
     """Return bars of the rise or the going of every step, as SVG pictures.
 
     Parameters
@@ -137,7 +137,7 @@ def nosing_charts(inspection: Inspection) -> tuple[tuple[Flight, str], ...]:
 # Bars.
 
 
-def _bars_of(inspection: Inspection, quantity: Quantity, check: Check | None) -> list[_Bar]:
+def _bars_of(inspection: Inspection, quantity: ChartedQuantity, check: Check | None) -> list[_Bar]:
     last = {flight.step_ids[-1] for flight in inspection.flights}
     steps = inspection.steps
     if quantity == "going":
@@ -148,13 +148,13 @@ def _bars_of(inspection: Inspection, quantity: Quantity, check: Check | None) ->
     ]
 
 
-def _verdict_of(step: Step, quantity: Quantity, check: Check | None) -> Verdict | None:
+def _verdict_of(step: Step, quantity: ChartedQuantity, check: Check | None) -> Verdict | None:
     findings = () if check is None else check.of_step(step.step_id)
     own = tuple(found for found in findings if found.rule.quantity == quantity and found.rule.statistic == "each")
     return gravest(own).verdict if own else None
 
 
-def _limits_of(quantity: Quantity, check: Check | None) -> list[_LimitLine]:
+def _limits_of(quantity: ChartedQuantity, check: Check | None) -> list[_LimitLine]:
     """Return the limits on every single step, the highest first, one line for each place."""
     if check is None:
         return []
@@ -190,7 +190,7 @@ def _span(bars: Sequence[_Bar], limits: Sequence[_LimitLine]) -> tuple[float, fl
 
 def _step_chart(
     inspection: Inspection,
-    quantity: Quantity,
+    quantity: ChartedQuantity,
     check: Check | None,
     rows: Sequence[_Row],
     span: tuple[float, float],
@@ -224,15 +224,15 @@ def _axis(scale: _Scale, title: str) -> str:
     for digits, value in round_ticks(scale.low_mm, scale.high_mm - scale.low_mm, 5.0):
         y = scale.y(value)
         parts.append(svg.line(_LEFT, y, right, y, svg.GRID, 0.5))
-        parts.append(svg.text(_LEFT - 4.0, y + 2.2, _signed(f"{value:.{digits}f}"), "end", 6.5, svg.DIM))
+        parts.append(svg.text_element(_LEFT - 4.0, y + 2.2, _signed(f"{value:.{digits}f}"), "end", 6.5, svg.DIM))
     parts.append(svg.line(_LEFT, bottom, right, bottom, svg.INK, 0.7))
     middle = scale.top + scale.plot / 2.0
-    parts.append(svg.text(8.0, middle, title, "middle", 6.5, svg.DIM, turn_deg=-90.0))
+    parts.append(svg.text_element(8.0, middle, title, "middle", 6.5, svg.DIM, turn_deg=-90.0))
     return "".join(parts)
 
 
 def _lines_behind(
-    inspection: Inspection, quantity: Quantity, near: Sequence[_LimitLine], scale: _Scale
+    inspection: Inspection, quantity: ChartedQuantity, near: Sequence[_LimitLine], scale: _Scale
 ) -> dict[int | None, list[float]]:
     """Return where lines cross the bars of each flight: its limits and its mean, points from the top."""
     limits = [scale.y(limit.limit.value * 1000.0) for limit in near]
@@ -253,9 +253,9 @@ def _free_of(lines: Sequence[float], base: float) -> float:
 
 def _bar(bar: _Bar, x: float, slot: float, scale: _Scale, lines: Sequence[float]) -> str:
     bottom = scale.top + scale.plot
-    number = svg.text(x, bottom + 9.0, bar.step.step_id, "middle", 7.0)
+    number = svg.text_element(x, bottom + 9.0, bar.step.step_id, "middle", 7.0)
     if bar.measured is None:
-        words = svg.text(x + 2.2, bottom - 5.0, "not measured", "start", 6.5, svg.DIM, turn_deg=-90.0)
+        words = svg.text_element(x + 2.2, bottom - 5.0, "not measured", "start", 6.5, svg.DIM, turn_deg=-90.0)
         dashes = svg.line(x, bottom, x, bottom - 3.0, svg.DIM, 0.6)
         return f'<g data-step="{bar.step.step_id}">{dashes}{words}{number}</g>'
     value, u = bar.measured.value * 1000.0, bar.measured.u * 1000.0
@@ -283,7 +283,9 @@ def _bar(bar: _Bar, x: float, slot: float, scale: _Scale, lines: Sequence[float]
     parts += [svg.line(x, low, x, high, svg.INK, 0.7)]
     parts += [svg.line(x - cap, y, x + cap, y, svg.INK, 0.7) for y in (low, high)]
     base = _free_of(lines, high - 2.6)
-    parts.append(svg.text(x, base, _value_text(value), "middle", 6.3, svg.INK, is_bold=is_outside, has_halo=True))
+    parts.append(
+        svg.text_element(x, base, _value_text(value), "middle", 6.3, svg.INK, is_bold=is_outside, has_halo=True)
+    )
     mark = _mark(bar.verdict, x, bottom + 15.5) if bar.verdict is not None else ""
     told = f"<title>step {bar.step.step_id}: {_value_text(value)} ± {u_text(u)} mm</title>"
     return f'<g data-step="{bar.step.step_id}">{told}{"".join(parts)}{number}{mark}</g>'
@@ -317,11 +319,11 @@ def _limit_line(limit: _LimitLine, scale: _Scale) -> str:
         f'fill="{svg.ALERT}" fill-opacity="0.05"/>'
     )
     dashes = ' stroke-dasharray="5 2"' if limit.side == "maximum" else ' stroke-dasharray="1.5 2"'
-    tag = svg.text(right + 3.0, y + 2.4, limit.tag, "start", 7.0, svg.ALERT, is_bold=True)
+    tag = svg.text_element(right + 3.0, y + 2.4, limit.tag, "start", 7.0, svg.ALERT, is_bold=True)
     return zone + svg.line(_LEFT, y, right, y, svg.ALERT, 0.9, dashes) + tag
 
 
-def _flight_lines(inspection: Inspection, quantity: Quantity, row: _Row, scale: _Scale) -> list[str]:
+def _flight_lines(inspection: Inspection, quantity: ChartedQuantity, row: _Row, scale: _Scale) -> list[str]:
     """Return each flight's name, mean and range over its bars, and a line at the mean."""
     parts = []
     for flight in inspection.flights:
@@ -339,11 +341,13 @@ def _flight_lines(inspection: Inspection, quantity: Quantity, row: _Row, scale: 
             parts.append(svg.line(left + 1.0, y, right - 1.0, y, svg.ACCENT, 0.6, ' stroke-dasharray="0.8 1.6"'))
         while len(told) > 1 and svg.width_of(" · ".join(told), 6.5) > right - left - 4.0:
             told.pop()
-        parts.append(svg.text(left + 2.5, scale.top - 4.0, " · ".join(told), "start", 6.5, svg.DIM))
+        parts.append(svg.text_element(left + 2.5, scale.top - 4.0, " · ".join(told), "start", 6.5, svg.DIM))
     return parts
 
 
-def _brackets(inspection: Inspection, quantity: Quantity, check: Check | None, row: _Row, scale: _Scale) -> list[str]:
+def _brackets(
+    inspection: Inspection, quantity: ChartedQuantity, check: Check | None, row: _Row, scale: _Scale
+) -> list[str]:
     """Return a bracket over neighbours whose difference lies outside its limit, and over each flight's worst pair."""
     pairs: dict[tuple[int, int], bool] = {}
     for flight in inspection.flights:
@@ -369,7 +373,7 @@ def _brackets(inspection: Inspection, quantity: Quantity, check: Check | None, r
         y = bottom + 23.0
         parts.append(svg.polyline([(x1, y - 2.0), (x1, y), (x2, y), (x2, y - 2.0)], color, 0.8))
         words = f"Δ {_value_text(difference)}" + (" !" if is_outside else "")
-        parts.append(svg.text((x1 + x2) / 2.0, y + 6.6, words, "middle", 6.0, color, is_bold=is_outside))
+        parts.append(svg.text_element((x1 + x2) / 2.0, y + 6.6, words, "middle", 6.0, color, is_bold=is_outside))
     return parts
 
 
@@ -386,9 +390,9 @@ class _Key:
                 parts.append(_mark(Verdict(sign), x + 4.0, y - 2.3))
                 x += 11.0
             elif sign:
-                parts.append(svg.text(x, y, sign, "start", 6.5, svg.ALERT, is_bold=True))
+                parts.append(svg.text_element(x, y, sign, "start", 6.5, svg.ALERT, is_bold=True))
                 x += 9.0
-            parts.append(svg.text(x, y, words, "start", 6.5, svg.DIM))
+            parts.append(svg.text_element(x, y, words, "start", 6.5, svg.DIM))
             x += svg.width_of(words, 6.5) + 10.0
         return "".join(parts)
 
@@ -458,7 +462,7 @@ def _nosing_chart(flight: Flight, line: NosingLine) -> str:
         named = ", ".join(str(number) for number in bridged)
         words.append(f"Not measured from the nosing before, placed by the nosings themselves: step {named}.")
     for sentence in words:
-        parts.append(svg.text(_LEFT, y + 7.0, sentence, "start", 6.5, svg.DIM))
+        parts.append(svg.text_element(_LEFT, y + 7.0, sentence, "start", 6.5, svg.DIM))
         y += _KEY
     title = f"deviation of the nosings of flight {flight.flight_id} from their best-fit line, millimetres"
     return svg.picture(svg.PAGE, y + 2.0, title, "".join(parts))
@@ -476,7 +480,7 @@ def _nosing(step_id: int, x: float, value: float, u: float, scale: _Scale, slot:
     if svg.width_of(signed, 6.0) <= slot - 1.0:
         away = scale.y(value + (u if np.isfinite(u) else 0.0)) - 3.4
         under = scale.y(value - (u if np.isfinite(u) else 0.0)) + 7.6
-        parts.append(svg.text(x, away if value >= 0.0 else under, signed, "middle", 6.0, has_halo=True))
+        parts.append(svg.text_element(x, away if value >= 0.0 else under, signed, "middle", 6.0, has_halo=True))
     if slot >= 9.0 or step_id % 5 == 0 or step_id == 1:
-        parts.append(svg.text(x, bottom + 8.5, step_id, "middle", 6.5))
+        parts.append(svg.text_element(x, bottom + 8.5, step_id, "middle", 6.5))
     return f'<g data-step="{step_id}">{"".join(parts)}</g>'

@@ -47,7 +47,7 @@ class NosingLine:
     pitch_deg: float
 
 
-def walking_line(steps: Sequence[Step], up: Floats) -> WalkingLine | None:
+def line_over_nosings(steps: Sequence[Step], up: Floats) -> WalkingLine | None:
     """Return the walking line over these steps, None where one of them has no nosing.
 
     Parameters
@@ -90,7 +90,7 @@ def nosing_line(inspection: Inspection, flight: Flight) -> NosingLine | None:
     """
     by_id = {step.step_id: step for step in inspection.steps}
     steps = [by_id[number] for number in flight.step_ids]
-    walk = walking_line(steps, inspection.up.vector) if len(steps) >= FEWEST_NOSINGS else None
+    walk = line_over_nosings(steps, inspection.up.vector) if len(steps) >= FEWEST_NOSINGS else None
     if walk is None:
         return None
     run = walk.runs_m - walk.runs_m.mean()

@@ -20,7 +20,7 @@ from stair_inspector.pictures.display import REJECTED_COLOR, Display, choose_dis
 from stair_inspector.pictures.lettering import Lettering
 from stair_inspector.pictures.picture import Caption, Scale, check_size, picture_png, scale_of
 from stair_inspector.pictures.residual_sheets import residual_sheets
-from stair_inspector.pictures.segmentation import Drawing, draw, extent_of, is_left_hidden, view_from_local
+from stair_inspector.pictures.segmentation import SegmentedScene, draw, extent_of, is_left_hidden, view_from_local
 from stair_inspector.pictures.splat import Dots, draw_dots
 from stair_inspector.units import Unit
 
@@ -323,7 +323,7 @@ def _framed(inspection: Inspection, display: Display, turn: Floats) -> Floats:
 
 
 def _pixels(
-    display: Display, drawing: Drawing, camera: _Camera, turn: Floats, palette: Palette, *, has_lines: bool
+    display: Display, drawing: SegmentedScene, camera: _Camera, turn: Floats, palette: Palette, *, has_lines: bool
 ) -> Colors:
     places, depths, scales = camera.look(display.points @ turn.T)
     radii = np.maximum(_OVER_SPACING * display.spacing_m * np.nan_to_num(scales), _LEAST_RADIUS_PX)

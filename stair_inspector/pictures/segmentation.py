@@ -21,7 +21,7 @@ _GROUND_SHARE = 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Drawing:
+class SegmentedScene:
     """The segmentation as plain data, local coordinates.
 
     ``colors`` (m, 3) of the displayed points; ``edges`` (e, 2, 3) with ``edge_colors`` (e, 3), lifted off the surface
@@ -48,7 +48,7 @@ def draw(
     *,
     with_rejected: bool = False,
     colors: Colors | None = None,
-) -> Drawing:
+) -> SegmentedScene:
     """Return what is drawn of an inspection.
 
     Parameters
@@ -80,7 +80,7 @@ def draw(
             edges.append((front_left, front_right))
             edge_colors.append(palette.front_edge)
     centres = [scan_points[step.nearest_ids] for step in inspection.steps]
-    return Drawing(
+    return SegmentedScene(
         colors=colors,
         edges=np.array(edges).reshape(-1, 2, 3),
         edge_colors=np.array(edge_colors, dtype=np.uint8).reshape(-1, 3),

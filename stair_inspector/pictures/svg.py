@@ -29,9 +29,9 @@ def words(value: object) -> str:
     return html.escape(plain(value).replace("\n", " "), quote=True)
 
 
-def width_of(text: str, size: float = SIZE) -> float:
+def width_of(text_element: str, size: float = SIZE) -> float:
     """Return about how wide a text is, points."""
-    return _WIDE * size * len(text)
+    return _WIDE * size * len(text_element)
 
 
 def picture(width: float, height: float, title: str, body: str) -> str:
@@ -52,7 +52,7 @@ def line(x1: float, y1: float, x2: float, y2: float, color: str = INK, width: fl
     )
 
 
-def text(
+def text_element(
     x: float,
     y: float,
     value: object,

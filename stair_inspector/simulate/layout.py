@@ -12,10 +12,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from stair_inspector.geometry.arrays import Point
 from stair_inspector.simulate.specs import N_WINDERS, Shape, Stair, parse_errors, parse_steps
 
 Flat = tuple[float, float]
-Point = tuple[float, float, float]
 Three = tuple[float, float, float]
 
 SHARES_FROM_LEFT = (0.15, 0.5, 0.85)
@@ -184,7 +184,7 @@ def lay_out(stair: Stair) -> tuple[StepTruth, ...]:
     return measured + _twins(stair, measured) if stair.twin_gap_m else measured
 
 
-def walking_line(stair: Stair, steps: tuple[StepTruth, ...]) -> tuple[Point, ...]:
+def way_up(stair: Stair, steps: tuple[StepTruth, ...]) -> tuple[Point, ...]:
     """Return the way up, from the first nosing to the upper landing: the ground has each point's height from there on.
 
     Parameters

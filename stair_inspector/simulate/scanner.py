@@ -12,17 +12,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels, own
+from stair_inspector.geometry.arrays import Bools, Colors, Floats, Ints, Labels, Point, own
 from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import NON_STAIR_LABEL
-from stair_inspector.simulate.layout import Point
 from stair_inspector.simulate.shapes import Building
 from stair_inspector.simulate.specs import Scanner
 from stair_inspector.simulate.staircase import output_from_stair
-
-Bools = NDArray[np.bool_]
 
 _MISS = -1
 _RAYS_AT_ONCE = 1_000_000

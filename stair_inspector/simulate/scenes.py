@@ -9,9 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stair_inspector.geometry.arrays import Point
 from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL
-from stair_inspector.simulate.layout import Flat, Point
-from stair_inspector.simulate.shapes import COLOURS, Building, Part, Shapes, Surface
+from stair_inspector.simulate.layout import Flat
+from stair_inspector.simulate.shapes import COLOURS, Building, BuildingPart, BuiltSurface, Shapes
 
 _WALL_M = 2.5
 _BOARD_M = 0.02
@@ -138,8 +139,8 @@ SCENES: dict[str, Callable[[], Building]] = {
 """By name: what makes the building."""
 
 
-def _surface(colour: str, part: Part = "clutter") -> Surface:
-    return Surface(part, NON_STAIR_LABEL, COLOURS[colour])
+def _surface(colour: str, part: BuildingPart = "clutter") -> BuiltSurface:
+    return BuiltSurface(part, NON_STAIR_LABEL, COLOURS[colour])
 
 
 def _straight_way(start_x: float, stop_x: float) -> tuple[Point, ...]:
@@ -148,7 +149,7 @@ def _straight_way(start_x: float, stop_x: float) -> tuple[Point, ...]:
 
 def _add_floor(shapes: Shapes, x: Flat, y: Flat) -> None:
     corners = [(x[0], y[0], 0.0), (x[1], y[0], 0.0), (x[1], y[1], 0.0), (x[0], y[1], 0.0)]
-    shapes.quad(corners, Surface("floor", 0, COLOURS["floor"], FLOOR_LABEL))
+    shapes.quad(corners, BuiltSurface("floor", 0, COLOURS["floor"], FLOOR_LABEL))
 
 
 def _add_walls(shapes: Shapes, x: Flat, y: Flat) -> None:

@@ -6,12 +6,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats, Ints, own
+from stair_inspector.geometry.arrays import Floats, Ints, Point, own
 from stair_inspector.model import NON_STAIR_LABEL
-from stair_inspector.simulate.layout import Flat, Point, StepTruth
+from stair_inspector.simulate.layout import Flat, StepTruth
 from stair_inspector.simulate.specs import Stair
 
-Part = Literal["floor", "tread", "landing", "riser", "nosing", "side", "beam", "post", "wall", "ceiling", "clutter"]
+BuildingPart = Literal[
+    "floor", "tread", "landing", "riser", "nosing", "side", "beam", "post", "wall", "ceiling", "clutter"
+]
 
 _LEAST_AREA_M2 = 1e-9
 _ON_EDGE_M2 = 1e-12
@@ -36,14 +38,14 @@ COLOURS: dict[str, tuple[int, int, int]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Surface:
+class BuiltSurface:
     """One flat or smooth surface: what it is part of, the level it belongs to (-1 none), its colour.
 
     ``label`` is what a perfect segmentation says of its points: 0 floor, k top of step k, -1 anything else. ``crease``
     is an axis (0 x, 1 y, 2 z) and a coordinate, metres in the stair frame, where light gets lost in an inner corner.
     """
 
-    part: Part
+    part: BuildingPart
     level: int
     rgb: tuple[int, int, int]
     label: int = NON_STAIR_LABEL
@@ -62,7 +64,7 @@ class Building:
     stair: Stair | None
     mesh: Any
     surface_of: Ints
-    surfaces: tuple[Surface, ...]
+    surfaces: tuple[BuiltSurface, ...]
     steps: tuple[StepTruth, ...]
     walk: tuple[Point, ...]
     scene: str = ""
@@ -77,9 +79,9 @@ class Shapes:
     def __init__(self) -> None:
         self._meshes: list[Any] = []
         self._surface_of: list[Ints] = []
-        self._surfaces: list[Surface] = []
+        self._surfaces: list[BuiltSurface] = []
 
-    def add(self, vertices: Floats, faces: Ints, surface: Surface) -> None:
+    def add(self, vertices: Floats, faces: Ints, surface: BuiltSurface) -> None:
         """Add triangles that form one surface; those without area, as at a nosing without overhang, are left out."""
         import trimesh
 
@@ -91,24 +93,24 @@ class Shapes:
         self._surface_of.append(np.full(len(faces), len(self._surfaces), dtype=np.int64))
         self._surfaces.append(surface)
 
-    def quad(self, corners: Sequence[Point], surface: Surface) -> None:
+    def quad(self, corners: Sequence[Point], surface: BuiltSurface) -> None:
         """Add a flat four-cornered surface, corners in order around it."""
         self.fan(corners, surface)
 
-    def fan(self, corners: Sequence[Point], surface: Surface) -> None:
+    def fan(self, corners: Sequence[Point], surface: BuiltSurface) -> None:
         """Add a flat convex surface, corners in order around it."""
         n = len(corners)
         faces = np.array([[0, corner, corner + 1] for corner in range(1, n - 1)], dtype=np.int64)
         self.add(np.array(corners, dtype=np.float64), faces, surface)
 
-    def level(self, outline: Sequence[Flat], heights: Sequence[float], surface: Surface) -> None:
+    def level(self, outline: Sequence[Flat], heights: Sequence[float], surface: BuiltSurface) -> None:
         """Add a flat surface with any outline that does not cross itself, counter-clockwise as seen from above."""
         if len(outline) < 3:
             return
         corners = [(x, y, z) for (x, y), z in zip(outline, heights, strict=True)]
         self.add(np.array(corners, dtype=np.float64), np.array(_ears(outline), dtype=np.int64), surface)
 
-    def box(self, low: Point, high: Point, surface: Surface) -> None:
+    def box(self, low: Point, high: Point, surface: BuiltSurface) -> None:
         """Add the six sides of an upright box."""
         import trimesh
 
@@ -119,7 +121,7 @@ class Shapes:
                 faces = np.asarray(box.faces)[normals[:, axis] * sign > 0.5]
                 self.add(np.asarray(box.vertices), faces, surface)
 
-    def rod(self, start: Point, end: Point, radius_m: float, surface: Surface, *, sections: int = 12) -> None:
+    def rod(self, start: Point, end: Point, radius_m: float, surface: BuiltSurface, *, sections: int = 12) -> None:
         """Add a round rod."""
         import trimesh
 

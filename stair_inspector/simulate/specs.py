@@ -13,7 +13,7 @@ from typing_extensions import Doc
 from stair_inspector.declarations import DEGREES, METRES, MM, PERCENT, Group, Knob
 from stair_inspector.errors import ConfigError
 
-Sides = Literal["none", "left", "right", "both"]
+WallSides = Literal["none", "left", "right", "both"]
 Shape = Literal["straight", "curved", "winder", "spiral"]
 Turn = Literal["none", "left", "right", "u_left", "u_right"]
 
@@ -139,7 +139,7 @@ class Stair(Group):
     missing_treads: Annotated[
         str, Doc("Treads that are not built, as steps (5,6); needs open_risers. Steps are counted as if they were.")
     ] = ""
-    wall: Annotated[Sides, Doc("Side walls, flush with the treads: none, left, right (when climbing) or both.")] = (
+    wall: Annotated[WallSides, Doc("Side walls, flush with the treads: none, left, right (when climbing) or both.")] = (
         "none"
     )
     ceiling: Annotated[bool, Doc("A level ceiling over everything.")] = False

@@ -9,25 +9,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats, Ints
+from stair_inspector.geometry.arrays import Floats, Ints, Point
 from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL
 from stair_inspector.simulate.layout import (
     POST_RADIUS_M,
     Flat,
     Footprint,
-    Point,
     StepTruth,
     along,
     lay_out,
     shifted,
     square_to,
-    walking_line,
+    way_up,
     without_repeats,
 )
-from stair_inspector.simulate.shapes import COLOURS, Building, Shapes, Surface
+from stair_inspector.simulate.shapes import COLOURS, Building, BuiltSurface, Shapes
 from stair_inspector.simulate.specs import SLAB_M, Stair, parse_offset
 
-__all__ = ["Building", "Point", "StepTruth", "Surface", "build", "lay_out", "output_from_stair"]
+__all__ = ["Building", "BuiltSurface", "Point", "StepTruth", "build", "lay_out", "output_from_stair"]
 
 Ring = tuple[Flat, ...]
 
@@ -77,7 +76,7 @@ def build(stair: Stair) -> Building:
     _add_walls(shapes, stair, steps, ground)
     if stair.clutter:
         _add_clutter(shapes, stair, tuple(step for step in steps[: stair.n_risers] if not step.is_missing))
-    return shapes.building(stair, steps, walking_line(stair, steps))
+    return shapes.building(stair, steps, way_up(stair, steps))
 
 
 def output_from_stair(stair: Stair | None, points: Floats) -> Floats:
@@ -114,7 +113,7 @@ def _add_floor(shapes: Shapes, stair: Stair, steps: tuple[StepTruth, ...]) -> _G
             (min(-half, low_y - beside), max(half, high_y + beside)),
         )
     crease = None if stair.open_risers or is_all_round else (0, 0.0)
-    shapes.quad(ground.corners(0.0), Surface("floor", 0, COLOURS["floor"], FLOOR_LABEL, crease))
+    shapes.quad(ground.corners(0.0), BuiltSurface("floor", 0, COLOURS["floor"], FLOOR_LABEL, crease))
     return ground
 
 
@@ -124,7 +123,7 @@ def _add_step(shapes: Shapes, stair: Stair, step: StepTruth, below: StepTruth | 
     # Under a tread that falls backwards or sideways the slab must still have a thickness.
     base = min(step.top(*corner) for corner in plan.outline) - SLAB_M
     is_slab = stair.open_risers or step.shape == "spiral"
-    side, upright = Surface("side", k, COLOURS["side"]), Surface("nosing", k, COLOURS["strip"])
+    side, upright = BuiltSurface("side", k, COLOURS["side"]), BuiltSurface("nosing", k, COLOURS["strip"])
     _add_top(shapes, stair, step, base, side, upright)
     if is_slab:
         # A slab in the air overlaps the nosing above it by the overhang, as planks do, and shows its underside.
@@ -140,13 +139,13 @@ def _add_step(shapes: Shapes, stair: Stair, step: StepTruth, below: StepTruth | 
         low = (below.top(*right) - proud, below.top(*left) - proud) if below else (0.0, 0.0)
         shapes.quad(
             _upright(right, left, low, (base, base)),
-            Surface("riser", k, COLOURS["riser"], crease=(2, (low[0] + low[1]) / 2.0)),
+            BuiltSurface("riser", k, COLOURS["riser"], crease=(2, (low[0] + low[1]) / 2.0)),
         )
     if not is_slab:
         _add_body(shapes, stair, step, base, side)
 
 
-def _add_body(shapes: Shapes, stair: Stair, step: StepTruth, base: float, side: Surface) -> None:
+def _add_body(shapes: Shapes, stair: Stair, step: StepTruth, base: float, side: BuiltSurface) -> None:
     """Add the sides of a solid step down to the floor and, at the top of the stair, its back."""
     plan, proud = step.plan, stair.strip_proud_m
     for edge in ((plan.riser[1], *plan.right), (plan.riser[0], *plan.left)):
@@ -158,11 +157,13 @@ def _add_body(shapes: Shapes, stair: Stair, step: StepTruth, base: float, side: 
         shapes.quad(_upright(right, left, (0.0, 0.0), (step.top(*right) - proud, step.top(*left) - proud)), side)
 
 
-def _add_top(shapes: Shapes, stair: Stair, step: StepTruth, base: float, side: Surface, upright: Surface) -> None:
+def _add_top(
+    shapes: Shapes, stair: Stair, step: StepTruth, base: float, side: BuiltSurface, upright: BuiltSurface
+) -> None:
     """Add the top with its nosing strip, the upright at the nosing, and the slab's sides."""
     plan, k, proud = step.plan, step.step_id, stair.strip_proud_m
     crease = _crease(plan) if step.step_id % stair.n_risers and not stair.open_risers else None
-    surface = Surface(step.kind, k, COLOURS[step.kind], k, crease)
+    surface = BuiltSurface(step.kind, k, COLOURS[step.kind], k, crease)
     radius = stair.round_nosing_m
     edge, ring = plan.front, plan.outline
     if radius:
@@ -172,7 +173,7 @@ def _add_top(shapes: Shapes, stair: Stair, step: StepTruth, base: float, side: S
     if proud or not step.dish_m:
         strip, rest, rest_edge = _cut(ring, plan.front, _STRIP_M)
         heights = [step.top(*corner) for corner in strip]
-        shapes.level(strip, heights, Surface(step.kind, k, COLOURS["strip"], k, crease))
+        shapes.level(strip, heights, BuiltSurface(step.kind, k, COLOURS["strip"], k, crease))
         if proud:
             for start, stop in _around(strip):
                 if not _is_on(edge, start, stop):
@@ -196,8 +197,8 @@ def _add_round_edge(
     step: StepTruth,
     edge: tuple[Flat, Flat],
     base_and_radius: tuple[float, float],
-    side: Surface,
-    upright: Surface,
+    side: BuiltSurface,
+    upright: BuiltSurface,
 ) -> None:
     """Add a quarter of a cylinder between the upright at a nosing and the edge of the flat top behind it."""
     base, radius = base_and_radius
@@ -288,7 +289,7 @@ def _dished(step: StepTruth, front: tuple[Flat, Flat], proud_m: float) -> tuple[
 
 def _add_beams(shapes: Shapes, stair: Stair, steps: tuple[StepTruth, ...]) -> None:
     """Carry the treads of each straight run, and the landings, by two beams underneath."""
-    surface = Surface("beam", NON_STAIR_LABEL, COLOURS["beam"])
+    surface = BuiltSurface("beam", NON_STAIR_LABEL, COLOURS["beam"])
     under = SLAB_M + 0.01
     straight = (step for step in steps if step.shape == "straight")
     for _, run in itertools.groupby(straight, key=lambda step: (step.flight, step.climb)):
@@ -303,7 +304,7 @@ def _add_beams(shapes: Shapes, stair: Stair, steps: tuple[StepTruth, ...]) -> No
         _add_beam_pair(shapes, stair, (*top, high), (*back, high), surface)
 
 
-def _add_beam_pair(shapes: Shapes, stair: Stair, start: Point, stop: Point, surface: Surface) -> None:
+def _add_beam_pair(shapes: Shapes, stair: Stair, start: Point, stop: Point, surface: BuiltSurface) -> None:
     """Add two beams whose tops run from start to stop, left and right of the line between them."""
     width, height = _BEAM_M
     (x0, y0, z0), (x1, y1, z1) = start, stop
@@ -333,7 +334,7 @@ def _add_post(shapes: Shapes, stair: Stair, steps: tuple[StepTruth, ...]) -> Non
     left, right = wedges[0].plan.riser
     outwards = ((right[0] - left[0]) / math.dist(left, right), (right[1] - left[1]) / math.dist(left, right))
     centre = shifted(right, outwards, radius) if stair.turn == "right" else shifted(left, outwards, -radius)
-    surface = Surface("post", NON_STAIR_LABEL, COLOURS["post"])
+    surface = BuiltSurface("post", NON_STAIR_LABEL, COLOURS["post"])
     shapes.rod((*centre, 0.0), (*centre, wedges[-1].height_m + _RAIL_M), radius, surface, sections=32)
 
 
@@ -347,20 +348,20 @@ def _add_walls(shapes: Shapes, stair: Stair, steps: tuple[StepTruth, ...], groun
         if stair.wall in (side, "both"):
             shapes.quad(
                 [(start, y, 0.0), (end, y, 0.0), (end, y, roof), (start, y, roof)],
-                Surface("wall", NON_STAIR_LABEL, COLOURS["wall"], crease=(2, roof) if stair.ceiling else None),
+                BuiltSurface("wall", NON_STAIR_LABEL, COLOURS["wall"], crease=(2, roof) if stair.ceiling else None),
             )
     if stair.ceiling:
         left = far_left if stair.wall in ("left", "both") else max(far_left, ground.y[1])
         right = -half if stair.wall in ("right", "both") else min(-half, ground.y[0])
         over = _Ground((min(start, ground.x[0]), max(end, ground.x[1])), (right, left))
-        shapes.quad(over.corners(roof), Surface("ceiling", NON_STAIR_LABEL, COLOURS["ceiling"]))
+        shapes.quad(over.corners(roof), BuiltSurface("ceiling", NON_STAIR_LABEL, COLOURS["ceiling"]))
 
 
 def _add_clutter(shapes: Shapes, stair: Stair, steps: tuple[StepTruth, ...]) -> None:
     """Add a table and two boxes on the floor, a box on a tread, and a handrail on a side that has no wall."""
 
-    def clutter(colour: str) -> Surface:
-        return Surface("clutter", NON_STAIR_LABEL, COLOURS[colour])
+    def clutter(colour: str) -> BuiltSurface:
+        return BuiltSurface("clutter", NON_STAIR_LABEL, COLOURS[colour])
 
     # The side away from a wall; without walls the right.
     side = 1.0 if stair.wall == "right" else -1.0
@@ -389,7 +390,7 @@ def _add_clutter(shapes: Shapes, stair: Stair, steps: tuple[StepTruth, ...]) -> 
         _add_handrail(shapes, steps, side, clutter("rail"))
 
 
-def _add_handrail(shapes: Shapes, steps: tuple[StepTruth, ...], side: float, surface: Surface) -> None:
+def _add_handrail(shapes: Shapes, steps: tuple[StepTruth, ...], side: float, surface: BuiltSurface) -> None:
     """Add a rail with a post on every step; it stops at a landing that turns."""
     tops: list[Point] = []
     for step in steps:

@@ -29,7 +29,7 @@ from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.orient import LEAST_POINTS
 from stair_inspector.stages.rejects import Forced, lean_deg, narrow_side, plan_keys
 
-Measure = TypeVar("Measure", bound=Callable[..., Any])
+_Measure = TypeVar("_Measure", bound=Callable[..., Any])
 
 _ADVICE = "check the up direction, then theta_th, eps_z and m"
 _COARSE = 0.5
@@ -84,7 +84,7 @@ def is_too_coarse(examination: Sequence[Observation], flights: FlightsParams) ->
     return _too_coarse(examination, flights) is not None
 
 
-def with_cause(measure: Measure) -> Measure:
+def with_cause(measure: _Measure) -> _Measure:
     """Let a function of a scan and settings tell the true cause where it fails and an examination knows one.
 
     Parameters
@@ -105,7 +105,7 @@ def with_cause(measure: Measure) -> Measure:
                 raise
             raise CannotMeasure(f"{scan.name}: {hopeless}") from error
 
-    return cast(Measure, measured)
+    return cast(_Measure, measured)
 
 
 def _why_hopeless(scan: Scan, examination: Sequence[Observation], flights: FlightsParams) -> str | None:

@@ -10,7 +10,7 @@ from stair_inspector.geometry.arrays import Floats, freeze
 from stair_inspector.model import Scan
 from stair_inspector.params import METRES_PER_UNIT
 
-Kind = Literal["", "float32", "rounded", "lattice"]
+Rounding = Literal["", "float32", "rounded", "lattice"]
 
 _MOST_VALUES = 20_000
 _SCREENED = 3_000
@@ -50,7 +50,7 @@ class CoordinateSteps:
     """
 
     steps_m: Floats
-    kinds: tuple[Kind, Kind, Kind]
+    kinds: tuple[Rounding, Rounding, Rounding]
     shares: Floats
     is_turned: bool = False
 
@@ -58,7 +58,7 @@ class CoordinateSteps:
 @dataclass(frozen=True, slots=True)
 class _Step:
     step_m: float = 0.0
-    kind: Kind = ""
+    kind: Rounding = ""
     share: float = 0.0
 
 

@@ -12,14 +12,14 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import BLURRED, IMPOSSIBLE, Examination, Flight, Note, Step, StepShape
 from stair_inspector.params import FlightsParams
-from stair_inspector.quantities import IN_TABLE, OF_STEP, Quantity, Reach
+from stair_inspector.quantities import IN_TABLE, OF_STEP, Quantity, RestsOn
 from stair_inspector.stages.blurred import find_blurred
 from stair_inspector.stages.survey import Survey, statistics_of
 
 
-def _fields_of(*reaches: Reach) -> tuple[str, ...]:
+def _fields_of(*kinds: RestsOn) -> tuple[str, ...]:
     """Return the fields of a step that hold quantities of these kinds, those on its lines too."""
-    chosen = [quantity for quantity in OF_STEP if quantity.reach in reaches]
+    chosen = [quantity for quantity in OF_STEP if quantity.rests_on in kinds]
     on_lines = [quantity.lines_field for quantity in chosen if quantity.on_lines is not None]
     return (*(quantity.field for quantity in chosen if quantity.field is not None), *on_lines)
 
@@ -36,7 +36,7 @@ _UP_TO_NOSING = _fields_of("from_below")
 _OF_NOSING = (*_UP_TO_NOSING, *_fields_of("nosing"), *_OVER_NOSING)
 """What of a step hangs on its own nosing."""
 _POSITIVE = tuple(
-    quantity for quantity in IN_TABLE if quantity.unit == "m" and quantity.reach != "to_next" and quantity.field
+    quantity for quantity in IN_TABLE if quantity.unit == "m" and quantity.rests_on != "to_next" and quantity.field
 )
 """Lengths that are none where they are not above zero; what runs to the next nosing is reviewed with that."""
 

@@ -10,7 +10,7 @@ from stair_inspector import priors
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats, Ints, freeze
 from stair_inspector.model import Chains, Horizontal, Patches, Scan, Surface
-from stair_inspector.overrules import OverrulesParams, Verdict, parse_force, parse_up
+from stair_inspector.overrules import ForcedKind, OverrulesParams, parse_force, parse_up
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.region import find_cut_faces
 
@@ -33,7 +33,7 @@ class Forced:
     the region of interest cuts through, and which way its faces look there.
     """
 
-    kinds: dict[int, Verdict]
+    kinds: dict[int, ForcedKind]
     climb: Floats | None = None
     reasons: dict[int, str] = field(default_factory=dict)
     cut: dict[int, tuple[Floats, ...]] = field(default_factory=dict)
@@ -42,7 +42,7 @@ class Forced:
         """Return whether the region of interest cuts a surface off on the side that lies in a direction, (2,)."""
         return any(float(way @ face) > _SAME_WAY for face in self.cut.get(number, ()))
 
-    def those(self, kind: Verdict) -> frozenset[int]:
+    def those(self, kind: ForcedKind) -> frozenset[int]:
         """Return the surfaces decided to be of a kind."""
         return frozenset(number for number, known in self.kinds.items() if known == kind)
 
@@ -70,7 +70,7 @@ def apply_overrules(scan: Scan, horizontal: Horizontal, patches: Patches, params
         There is no such level or patch, or the direction of climb is upright.
     """
     surfaces = patches.surfaces
-    kinds: dict[int, Verdict] = {}
+    kinds: dict[int, ForcedKind] = {}
     reasons: dict[int, str] = {}
     for force in parse_force(params.force):
         if force.target == "at":

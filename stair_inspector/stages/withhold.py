@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 from stair_inspector.model import Flight, Inspection, Measured, Note, PaperValues, Statistics, Step
 
-Part = TypeVar("Part", Step, Flight)
+_Part = TypeVar("_Part", Step, Flight)
 CODE = "withheld"
 """Of the note that says why there are no values."""
 ANSWERED_BY = "; it is answered by: "
@@ -54,7 +54,7 @@ def _emptied_step(step: Step) -> Step:
     )
 
 
-def _without_values(part: Part) -> Part:
+def _without_values(part: _Part) -> _Part:
     """Return a step or a flight without anything that was measured of it, whatever its name."""
     names = [item.name for item in dataclasses.fields(part)]
     measured = [name for name in names if isinstance(getattr(part, name), (Measured, Statistics))]

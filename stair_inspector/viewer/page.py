@@ -11,7 +11,7 @@ import viser
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Scan
-from stair_inspector.params import Params, Unit
+from stair_inspector.params import Params, ScanUnit
 from stair_inspector.pictures.segmentation import view_from_local
 from stair_inspector.viewer.bridge.controls import words_of_change
 from stair_inspector.viewer.bridge.handles import uuid_of
@@ -287,7 +287,7 @@ class Session:
 
     # Runs: called on the thread that computes.
 
-    def _find(self, request: Request, read: Callable[[Unit], Scan]) -> tuple[Request, Scan]:
+    def _find(self, request: Request, read: Callable[[ScanUnit], Scan]) -> tuple[Request, Scan]:
         """Read a scan; work that was done on another state of the file is put aside."""
         scan = read(request.params.unit)
         if self.opening.is_of(request.label, scan.sha256):

@@ -17,7 +17,7 @@ from stair_inspector.drawings.model import (
     Drawing,
     Layer,
     Path,
-    Place,
+    SheetPoint,
     Words,
     head_of,
     readable_deg,
@@ -231,7 +231,7 @@ def _add_title(space: "Modelspace", drawing: Drawing, scan_name: str, made_at: d
     _add_bar(space, (x_low, y - size), size)
 
 
-def _add_bar(space: "Modelspace", at: Place, size: float) -> None:
+def _add_bar(space: "Modelspace", at: SheetPoint, size: float) -> None:
     """Draw a scale bar of a metre in quarters, for who prints the drawing and does not know its scale."""
     x, y = at
     quarter = _BAR_MM / 4.0

@@ -8,7 +8,7 @@ from stair_inspector.content.document import Figure, plain
 from stair_inspector.content.order import Pictures
 from stair_inspector.drawings.sheets import plan_svgs, section_svgs
 from stair_inspector.model import Inspection, Scan
-from stair_inspector.pictures.charts import Quantity, nosing_charts, step_charts
+from stair_inspector.pictures.charts import ChartedQuantity, nosing_charts, step_charts
 from stair_inspector.pictures.render import RenderedView, report_views
 
 _ON_FRONT = 2
@@ -60,7 +60,7 @@ def _views(views: Sequence[RenderedView]) -> tuple[Figure, ...]:
     )
 
 
-def _bars(inspection: Inspection, quantity: Quantity, check: Check | None) -> tuple[Figure, ...]:
+def _bars(inspection: Inspection, quantity: ChartedQuantity, check: Check | None) -> tuple[Figure, ...]:
     limits = " with the limits of the rule set" if check is not None else ""
     words = f"{quantity.capitalize()} of every step{limits}; the scale does not begin at zero"
     return tuple(

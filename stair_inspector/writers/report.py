@@ -7,7 +7,7 @@ from pathlib import Path
 from stair_inspector.codes.findings import Check
 from stair_inspector.content.document import Document
 from stair_inspector.content.fields import ReportBasis
-from stair_inspector.content.order import build
+from stair_inspector.content.order import build_document
 from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.pictures.render import RenderedView
@@ -53,7 +53,7 @@ def make_report(
     """
     title = basis.fields.stair or basis.fields.title
     pictures = draw_pictures(scan, inspection, check, made_at, title=title, views=views)
-    return build(inspection, check, basis, made_at, pictures)
+    return build_document(inspection, check, basis, made_at, pictures)
 
 
 def report_bytes(document: Document) -> dict[str, bytes]:

@@ -87,7 +87,7 @@ def _paper_rows(inspection: Inspection) -> list[str]:
         cells = [f"{step.step_id:>11}", f"{step.plane.n_points:>11}"]
         for each in SHOWN_OF_PAPER:
             value = each.of_paper(step.paper)
-            cells.append(f"{'-':>11}" if value is None else f"{value * each.display.scale:>11.1f}")
+            cells.append(f"{'-':>11}" if value is None else f"{value * each.notation.scale:>11.1f}")
         cells.append(f"{'-':>11}" if rms_mm is None else f"{rms_mm:>11.2f}")
         lines.append("  " + "".join(cells))
     return lines
@@ -95,7 +95,7 @@ def _paper_rows(inspection: Inspection) -> list[str]:
 
 def _ascii_unit(quantity: Quantity | PaperQuantity) -> str:
     """Return the unit in which a quantity is shown as a terminal's column has it."""
-    return {"°": "deg", "%": "percent"}.get(quantity.display.unit, quantity.display.unit)
+    return {"°": "deg", "%": "percent"}.get(quantity.notation.unit, quantity.notation.unit)
 
 
 def check_text(check: Check) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stair_inspector.simulate.shapes import COLOURS, Building, Part, Shapes, Surface
+from stair_inspector.simulate.shapes import COLOURS, Building, BuildingPart, BuiltSurface, Shapes
 
 FLOOR_M = 2.2
 LANDING_M = 1.5
@@ -183,9 +183,9 @@ def _way(stair: Plain) -> tuple[tuple[float, float, float], ...]:
     return ((-0.75 * FLOOR_M, 0.0, 0.0), *steps, (last, 0.0, stair.heights_m()[-1]))
 
 
-def _surface(colour: str, level: int = -1) -> Surface:
-    part: Part = "clutter"
-    return Surface(part, level, COLOURS.get(colour, COLOURS["box"]))
+def _surface(colour: str, level: int = -1) -> BuiltSurface:
+    part: BuildingPart = "clutter"
+    return BuiltSurface(part, level, COLOURS.get(colour, COLOURS["box"]))
 
 
 def _quad(shapes: Shapes, corners: list[tuple[float, float, float]], colour: str, level: int = -1) -> None:

@@ -21,7 +21,7 @@ from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import SUFFIXES, find_scans, read_scan
 from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import Scan
-from stair_inspector.params import METRES_PER_UNIT, Unit
+from stair_inspector.params import METRES_PER_UNIT, ScanUnit
 
 REAL = Path(__file__).parents[2].parent / "shared" / "scans"
 
@@ -81,7 +81,7 @@ def with_colors(points: np.ndarray = POINTS) -> list[tuple[float, ...]]:
     return [(*p, *map(int, c)) for p, c in zip(points.tolist(), COLORS, strict=True)]
 
 
-def read(tmp_path: Path, name: str, content: bytes | str, unit: Unit = "m") -> Scan:
+def read(tmp_path: Path, name: str, content: bytes | str, unit: ScanUnit = "m") -> Scan:
     path = tmp_path / name
     path.write_bytes(content.encode() if isinstance(content, str) else content)
     return read_scan(path, unit)

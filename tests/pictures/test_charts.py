@@ -220,6 +220,6 @@ def test_a_picture_needs_nothing_from_outside(drawn):
 
 
 def test_hostile_words_are_escaped_and_nothing_of_them_is_lost():
-    element = ET.fromstring(svg.picture(10.0, 10.0, HOSTILE, svg.text(0.0, 0.0, HOSTILE)))
+    element = ET.fromstring(svg.picture(10.0, 10.0, HOSTILE, svg.text_element(0.0, 0.0, HOSTILE)))
     assert [node.text for node in element.iter(f"{SVG}text")] == ['<script>alert("1")</script>\\u0007& ]]>']
     assert not list(element.iter(f"{SVG}script"))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.model import Measured
-from stair_inspector.pictures.nosing_line import is_joined, nosing_line, walking_line
+from stair_inspector.pictures.nosing_line import is_joined, line_over_nosings, nosing_line
 from tests.content.staircases import UP, U, staircase
 from tests.synthetic import rotation
 
@@ -65,8 +65,8 @@ def test_a_nosing_is_as_uncertain_as_noise_and_edge_make_one_end_of_rise_and_goi
 def test_where_a_value_is_missing_the_nosings_own_places_tell_the_way(turn):
     full = staircase((6,), rotation=turn)
     holed = staircase((6,), rotation=turn, missing_rise=(4,), missing_going=(3,))
-    line = walking_line(holed.steps, holed.up.vector)
-    wanted = walking_line(full.steps, full.up.vector)
+    line = line_over_nosings(holed.steps, holed.up.vector)
+    wanted = line_over_nosings(full.steps, full.up.vector)
     np.testing.assert_allclose(line.runs_m, wanted.runs_m, atol=1e-9)
     np.testing.assert_allclose(line.heights_m, wanted.heights_m, atol=1e-9)
     assert line.has_going == (False, True, True, False, True, True)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from stair_inspector.simulate.layout import SHARES_FROM_LEFT, lay_out, walking_line
+from stair_inspector.simulate.layout import SHARES_FROM_LEFT, lay_out, way_up
 from stair_inspector.simulate.specs import Stair
 
 RISE = 0.17
@@ -265,10 +265,10 @@ def test_a_twin_repeats_the_stair_on_its_left():
 
 def test_walking_line_crosses_landings_and_skips_what_is_missing():
     stair = Stair(n_risers=5, landing_after=2, turn="u_left", width_m=1.0, well_m=0.2, landing_depth_m=1.0)
-    line = walking_line(stair, lay_out(stair))
+    line = way_up(stair, lay_out(stair))
     # Two nosings, the two middles of the turn, three nosings, and the end on the upper landing.
     assert len(line) == 8
     assert list(line[1:4]) == points((0.255, 0.0, 0.34), (0.78, 0.0, 0.34), (0.78, 1.2, 0.34))
     assert line[-1] == pytest.approx((0.28 + 0.025 - 0.56 - 0.96, 1.2, 0.85), abs=1e-12)
     gap = Stair(n_risers=5, open_risers=True, missing_treads="3")
-    assert [round(z, 9) for _, _, z in walking_line(gap, lay_out(gap))] == [0.17, 0.34, 0.34, 0.68, 0.85, 0.85]
+    assert [round(z, 9) for _, _, z in way_up(gap, lay_out(gap))] == [0.17, 0.34, 0.34, 0.68, 0.85, 0.85]

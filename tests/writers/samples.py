@@ -10,7 +10,7 @@ import pypdf
 
 from stair_inspector.codes import check
 from stair_inspector.content.fields import ReportBasis, ReportFields
-from stair_inspector.content.order import build
+from stair_inspector.content.order import build_document
 from stair_inspector.content.readings import TapeReading
 from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.params import Params
@@ -90,7 +90,7 @@ def html():
 
 def plain_document(inspection, found=None, basis=None):
     """A report without pictures."""
-    return build(inspection, found, basis or ReportBasis(), MADE_AT)
+    return build_document(inspection, found, basis or ReportBasis(), MADE_AT)
 
 
 def pdf_pages(data):

@@ -9,7 +9,7 @@ import viser
 
 from stair_inspector.declarations import Place
 from stair_inspector.errors import ConfigError
-from stair_inspector.overrules import NAMED_UP, Verdict, with_decision
+from stair_inspector.overrules import NAMED_UP, ForcedKind, with_decision
 from stair_inspector.params import GROUPS, SETTINGS, Params
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.notices import from_page
@@ -18,7 +18,7 @@ CHOICES = tuple(name for name, declared in SETTINGS.items() if get_origin(declar
 """Settings that are chosen from a menu."""
 SLIDER_PLACES: tuple[Place, ...] = ("tune", "survey")
 """Where a number has a slider; elsewhere it is a field to write in."""
-VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+VERDICTS: tuple[ForcedKind, ...] = get_args(ForcedKind)
 OWN_UP = "vector"
 _LONGEST_TEXT = 20_000
 
@@ -160,7 +160,7 @@ class SettingControls:
             if name in self._submitted:
                 self._submitted[name] = self._controls[name].value
 
-    def overrule(self, place_m: tuple[float, float, float], kind: Verdict | None, reason: str = "") -> None:
+    def overrule(self, place_m: tuple[float, float, float], kind: ForcedKind | None, reason: str = "") -> None:
         """Add a decision about the surface at a place, metres in the scan frame; None takes one back."""
         name = "overrules.force"
         self.write(name, with_decision(_checked_text(name, self._submitted[name]), place_m, kind, reason))

@@ -10,7 +10,7 @@ from stair_inspector.errors import StairError
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.memo import Memo
 from stair_inspector.model import HeightOrder, Inspection, Scan
-from stair_inspector.params import Params, Unit
+from stair_inspector.params import Params, ScanUnit
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.compute.worker import Cancelled, Newest, Workshop
@@ -92,7 +92,7 @@ class Listener:
     result, ``failed`` a sentence, ``progress`` what is being computed.
     """
 
-    find: Callable[[Request, Callable[[Unit], Scan]], tuple[Request, Scan]]
+    find: Callable[[Request, Callable[[ScanUnit], Scan]], tuple[Request, Scan]]
     done: Callable[[Request, Scan, Inspection, Prepared], None]
     failed: Callable[[str], None]
     progress: Callable[[Progress], None]

@@ -18,7 +18,7 @@ from stair_inspector.errors import CannotMeasure, StairError
 from stair_inspector.files.scans import read_scan
 from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import Scan
-from stair_inspector.params import Unit
+from stair_inspector.params import ScanUnit
 
 R = TypeVar("R")
 
@@ -250,10 +250,10 @@ class Workshop:
     def __init__(self) -> None:
         self._process = HeavyProcess()
         self._scans = _Cache(_SCANS_KEPT)
-        self._stamps: dict[tuple[Path, Unit], tuple[int, ...]] = {}
+        self._stamps: dict[tuple[Path, ScanUnit], tuple[int, ...]] = {}
         self._results = _Cache(_RESULTS_KEPT)
 
-    def read(self, path: Path, unit: Unit, is_wanted: Callable[[], bool] = _always) -> Scan:
+    def read(self, path: Path, unit: ScanUnit, is_wanted: Callable[[], bool] = _always) -> Scan:
         """Read a scan, or return it if it has been read and the file has not changed.
 
         Raises

@@ -25,7 +25,7 @@ from stair_inspector.viewer.parts.steps import html
 from stair_inspector.viewer.parts.steps.tab import StepsActions, StepsTab
 from stair_inspector.viewer.parts.tune import histogram
 from stair_inspector.viewer.parts.tune.tab import TuneActions, TuneTab
-from stair_inspector.viewer.scene.legends import legend_html
+from stair_inspector.viewer.scene.legends import colour_legend_html
 from stair_inspector.viewer.scene.step_marks import StepMark
 
 WIDTH = 484
@@ -122,7 +122,7 @@ class Panel:
         tones = {mark.tone for mark in marks.values()}
         content = html.legend_html(palette, with_steps=mode == "Step", tones=tones, with_paper=with_paper)
         if mode != "Step" and legend is not None:
-            content = legend_html(legend) + content
+            content = colour_legend_html(legend) + content
         self.legend.content = overlay_html(content)
 
     def show_waiting(self, label: str, palette: Palette) -> None:

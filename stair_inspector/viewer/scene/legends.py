@@ -4,7 +4,7 @@ from stair_inspector.pictures.legends import Legend, Ramp
 from stair_inspector.viewer.bridge.markup import LINE, chip, text
 
 
-def legend_html(legend: Legend) -> str:
+def colour_legend_html(legend: Legend) -> str:
     """Return a legend as HTML."""
     chips = "".join(
         f'<span style="white-space:nowrap">{chip(color)} {text(words)}</span>' for color, words in legend.entries

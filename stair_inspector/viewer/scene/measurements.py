@@ -14,8 +14,8 @@ from typing import Literal
 import numpy as np
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.projects import Measurement, Point
-from stair_inspector.geometry.arrays import Floats
+from stair_inspector.files.projects import Measurement
+from stair_inspector.geometry.arrays import Floats, Point
 from stair_inspector.units import NOT_KNOWN, Unit, length_text, tidy
 from stair_inspector.viewer.bridge.markup import DIM, LINE, list_key, order_button, text
 from stair_inspector.viewer.scene.dimensions import Anchor

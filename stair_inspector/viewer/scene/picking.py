@@ -68,7 +68,7 @@ def cone_of(fov_rad: float, image_height: int, pixels: float = _REACH_PIXELS) ->
     return 2.0 * math.tan(fov_rad / 2.0) * pixels / max(image_height, 1)
 
 
-def find_nearest(points: Floats, ray: Ray, cone: float) -> int | None:
+def point_at_click(points: Floats, ray: Ray, cone: float) -> int | None:
     """Return the row of the point that a click means, or None where nothing lies near the ray.
 
     Parameters

@@ -11,7 +11,7 @@ import viser
 from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.geometry.arrays import Colors, Floats
 from stair_inspector.pictures.display import Display
-from stair_inspector.pictures.segmentation import Drawing, extent_of
+from stair_inspector.pictures.segmentation import SegmentedScene, extent_of
 from stair_inspector.viewer.scene.dimensions import Anchor, Dimensions, Label
 from stair_inspector.viewer.scene.measurements import MeasureDrawing
 from stair_inspector.viewer.scene.step_marks import TONE_RGB, StepMark
@@ -46,7 +46,7 @@ _POINT_FACTORS = {
 }
 """Diameter of the points of each cloud, in those of the scan."""
 
-Draw = TypeVar("Draw", bound=Callable[..., None])
+_Draw = TypeVar("_Draw", bound=Callable[..., None])
 
 
 def quaternion(rotation: Floats) -> tuple[float, float, float, float]:
@@ -55,7 +55,7 @@ def quaternion(rotation: Floats) -> tuple[float, float, float, float]:
     return (float(wxyz[0]), float(wxyz[1]), float(wxyz[2]), float(wxyz[3]))
 
 
-def _counted(draw: Draw) -> Draw:
+def _counted(draw: _Draw) -> _Draw:
     """Count what draws, after it has drawn."""
 
     @wraps(draw)
@@ -65,7 +65,7 @@ def _counted(draw: Draw) -> Draw:
         finally:
             stage.n_drawn += 1
 
-    return cast(Draw, counted)
+    return cast(_Draw, counted)
 
 
 @dataclass
@@ -123,7 +123,7 @@ class Stage:
         self._show_mode()
 
     @_counted
-    def show_drawing(self, drawing: Drawing, palette: Palette, on_pick: Callable[[int], None]) -> None:
+    def show_drawing(self, drawing: SegmentedScene, palette: Palette, on_pick: Callable[[int], None]) -> None:
         """Replace the segmentation; ``on_pick(step_id)`` is called when a step's plate is clicked."""
         scene = self.client.scene
         self._nodes["/stair/segments/cloud"].colors = drawing.colors
@@ -356,7 +356,7 @@ class Stage:
         for (_, label), name in zip(self._per_step, self._step_names, strict=True):
             label.visible = name not in self._covered_steps and (not self._is_cut or name in self._cut_steps)
 
-    def _add_steps(self, drawing: Drawing, on_pick: Callable[[int], None]) -> None:
+    def _add_steps(self, drawing: SegmentedScene, on_pick: Callable[[int], None]) -> None:
         self._remove_steps()
         self._step_names = drawing.labels
         for corners, text in zip(drawing.corners, drawing.labels, strict=True):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stair_inspector.pictures.legends import Legend, Ramp, colors_on
-from stair_inspector.viewer.scene.legends import legend_html
+from stair_inspector.viewer.scene.legends import colour_legend_html
 from tests.viewer.parts.steps.test_html import HOSTILE, Page
 
 RAMP = Ramp(((0, 0, 0), (100, 200, 50), (255, 255, 255)), ((0.0, "−5"), (0.5, "0"), (1.0, "+5")))
@@ -22,7 +22,7 @@ def test_the_colours_of_a_scale_are_met_at_its_stops_and_mixed_between():
 
 
 def test_a_scale_is_a_gradient_through_its_colours_with_its_ticks_in_order():
-    source = legend_html(Legend("distance [mm]", (((1, 2, 3), "none"),), RAMP))
+    source = colour_legend_html(Legend("distance [mm]", (((1, 2, 3), "none"),), RAMP))
     page = Page(source)
     assert "linear-gradient(to right, rgb(0, 0, 0), rgb(100, 200, 50), rgb(255, 255, 255))" in source
     assert "rgb(1, 2, 3)" in source
@@ -31,6 +31,6 @@ def test_a_scale_is_a_gradient_through_its_colours_with_its_ticks_in_order():
 
 
 def test_words_that_could_come_from_a_file_are_escaped():
-    page = Page(legend_html(Legend(HOSTILE, (((1, 2, 3), HOSTILE),), Ramp(RAMP.colors, ((0.0, HOSTILE),)))))
+    page = Page(colour_legend_html(Legend(HOSTILE, (((1, 2, 3), HOSTILE),), Ramp(RAMP.colors, ((0.0, HOSTILE),)))))
     assert page.of("img") == page.of("script") == []
     assert page.words.count(HOSTILE) == 3

@@ -8,7 +8,7 @@ import pytest
 from stair_inspector.pictures.cameras import FOV_RAD, ORTHO_FOV_RAD, frame_view
 from stair_inspector.pictures.frames import section_frame
 from stair_inspector.pictures.segmentation import extent_of, view_from_local
-from stair_inspector.viewer.scene.picking import cone_of, find_nearest, owner_text, pick_of, ray_of
+from stair_inspector.viewer.scene.picking import cone_of, owner_text, pick_of, point_at_click, ray_of
 from stair_inspector.viewer.scene.sections import cut, is_in
 from tests.synthetic import rotation
 from tests.viewer.surveyed import GOING, RISE, surveyed
@@ -32,7 +32,7 @@ def click(measured, target, pose, turn, fov_rad=FOV_RAD, points=None):
     """The row that a click on the pixel of a local point means."""
     place = turn @ target
     ray = ray_of(tuple(pose.position), tuple(3.0 * (place - pose.position)), turn)
-    return find_nearest(measured[2].points if points is None else points, ray, cone_of(fov_rad, HEIGHT))
+    return point_at_click(measured[2].points if points is None else points, ray, cone_of(fov_rad, HEIGHT))
 
 
 def angle_of(target, point, pose, turn):
@@ -74,7 +74,7 @@ def test_a_click_a_few_pixels_beside_a_lonely_point_means_it_and_farther_away_no
     for away, expected in ((0.0, 0), (6.0, 0), (9.0, None)):
         towards = points[0] + [0.0, 0.0, away * pixel] - pose.position
         ray = ray_of(tuple(pose.position), tuple(towards), np.eye(3))
-        assert find_nearest(points, ray, cone_of(FOV_RAD, HEIGHT)) == expected
+        assert point_at_click(points, ray, cone_of(FOV_RAD, HEIGHT)) == expected
 
 
 def test_a_click_beside_the_scan_picks_nothing(measured):
@@ -82,7 +82,7 @@ def test_a_click_beside_the_scan_picks_nothing(measured):
     assert click(measured, turn.T @ np.array([60.0, 0.0, 0.0]), pose, turn) is None
     # Nor what lies behind the camera.
     behind = ray_of(tuple(pose.position), tuple(pose.position - pose.look_at), turn)
-    assert find_nearest(measured[2].points, behind, cone_of(FOV_RAD, HEIGHT)) is None
+    assert point_at_click(measured[2].points, behind, cone_of(FOV_RAD, HEIGHT)) is None
 
 
 def test_what_a_section_hides_cannot_be_picked(measured):
@@ -105,7 +105,7 @@ def test_side_by_side_the_cloud_on_the_right_is_picked_where_it_stands(measured)
     shift, target = 2.5, display.points[4000]
     place = turn @ target + np.array([shift, 0.0, 0.0])
     ray = ray_of(tuple(pose.position), tuple(place - pose.position), turn, shift)
-    row = find_nearest(display.points, ray, cone_of(FOV_RAD, HEIGHT))
+    row = point_at_click(display.points, ray, cone_of(FOV_RAD, HEIGHT))
     assert angle_of(target, display.points[row], pose, turn) < 0.02
 
 

@@ -6,7 +6,7 @@ A verdict is written in words with a sign; colour is never the only sign. Texts 
 import re
 from collections.abc import Sequence
 
-from stair_inspector.codes import DECISIONS, Check, Finding, Fit, Rule, RuleEdit, RuleSet, Verdict, display_of, gravest
+from stair_inspector.codes import DECISIONS, Check, Finding, Fit, Rule, RuleEdit, RuleSet, Verdict, gravest, notation_of
 from stair_inspector.codes.at_steps import findings_at_steps
 from stair_inspector.codes.phrases import gap_text, limit_words, value_text
 from stair_inspector.codes.rules import GRADES
@@ -287,7 +287,7 @@ def _length(rule: Rule, value: float, unit: Unit) -> str:
 
 
 def _is_in_inches(rule: Rule, unit: Unit) -> bool:
-    return unit == "in" and display_of(rule.quantity).unit == "mm"
+    return unit == "in" and notation_of(rule.quantity).unit == "mm"
 
 
 def _place_html(found: Finding, pick_uuid: str | None) -> str:

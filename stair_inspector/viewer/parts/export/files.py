@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stair_inspector.codes import Check
-from stair_inspector.content.texts import check_text
+from stair_inspector.content.texts import require_text
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.projects import Project, check_scan, parse_project, project_bytes
 from stair_inspector.geometry.arrays import Colors
@@ -65,7 +65,7 @@ class Exporting:
     def set_title(self, title: object) -> None:
         """Name the inspection."""
         try:
-            words = check_text(" ".join(str(title).split())[:_LONGEST_TITLE], "Title")
+            words = require_text(" ".join(str(title).split())[:_LONGEST_TITLE], "Title")
         except ConfigError:
             self._panel.export.title.value = self._editor.work.title
             raise

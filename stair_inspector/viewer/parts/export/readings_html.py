@@ -7,7 +7,7 @@ from stair_inspector.content.fields import ReportBasis
 from stair_inspector.model import Inspection
 from stair_inspector.units import (
     NOT_KNOWN,
-    Shown,
+    ShownUnit,
     Unit,
     length_text,
     signed_text,
@@ -68,7 +68,7 @@ def _words(words: str) -> str:
 
 def _row(found: Compared, unit: Unit, button: str) -> str:
     reading, scanned, result = found.reading, found.scanned, found.result
-    shown: Shown = unit if reading.unit == "m" else "°"
+    shown: ShownUnit = unit if reading.unit == "m" else "°"
     difference = NOT_KNOWN if found.difference is None else _with_unit(signed_text(found.difference, shown), shown)
     cells = "".join(
         f'<td style="{_NUMBER}">{text(value)} <div style="{_SMALL}">{text(u)}</div></td>'
@@ -91,13 +91,13 @@ def _row(found: Compared, unit: Unit, button: str) -> str:
     )
 
 
-def _size(value: float, shown: Shown) -> str:
+def _size(value: float, shown: ShownUnit) -> str:
     return length_text(value, shown, 2 if shown == "°" else 1)
 
 
-def _u(u: float, shown: Shown) -> str:
+def _u(u: float, shown: ShownUnit) -> str:
     return f"± {uncertainty_text(u, shown)}"
 
 
-def _with_unit(number: str, shown: Shown) -> str:
+def _with_unit(number: str, shown: ShownUnit) -> str:
     return f"{number}°" if shown == "°" else f"{number} {shown}"

@@ -15,7 +15,7 @@ from stair_inspector.content.images import read_logo, read_photo
 from stair_inspector.content.moments import odd_moment
 from stair_inspector.content.project_basis import titled
 from stair_inspector.content.readings import ON_A_LINE, TapeReading, parse_reading
-from stair_inspector.content.texts import check_text
+from stair_inspector.content.texts import require_text
 from stair_inspector.content.written import split_unit
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Inspection
@@ -34,7 +34,7 @@ from stair_inspector.viewer.parts.export.report_tab import (
     EVERYTHING,
     PAPERS,
     READING_QUANTITIES,
-    Part,
+    FormPart,
 )
 from stair_inspector.viewer.parts.export.scene_views import SceneViews
 from stair_inspector.viewer.parts.panel import Panel
@@ -93,7 +93,7 @@ class Reporting:
 
     # What a person writes.
 
-    def set_text(self, part: Part, name: str, value: object) -> None:
+    def set_text(self, part: FormPart, name: str, value: object) -> None:
         """Keep a field of the report as it is typed; what is typed in one go is one change."""
         words = str(value)
         try:
@@ -106,14 +106,14 @@ class Reporting:
             self._desk.notices.tell(label, odd)
         self._show_changes()
 
-    def _keep_text(self, part: Part, name: str, words: str) -> tuple[str, str]:
+    def _keep_text(self, part: FormPart, name: str, words: str) -> tuple[str, str]:
         """Keep a text, and return its label and what is kept of it."""
         # The fields are not written again meanwhile: more may have been typed by now.
         with self._keeper.lock:
             basis = self._editor.work.basis
             texts = getattr(basis, part)
             label = str(type(texts).label_of(name))
-            kept = check_text(words, label)
+            kept = require_text(words, label)
             changed = dataclasses.replace(basis, **{part: dataclasses.replace(texts, **{name: kept})})
             self._keeper.change(f"report: {label}", f"report {part} {name}", basis=changed)
         return label, kept

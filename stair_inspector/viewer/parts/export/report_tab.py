@@ -13,7 +13,7 @@ from stair_inspector.content.fields import FIELD_GROUPS, Checklist, ReportBasis,
 from stair_inspector.content.readings import FLIGHT_READINGS, ON_A_LINE, STEP_READINGS, Line
 from stair_inspector.viewer.bridge.notices import from_page, orders_from_page
 
-Part = Literal["fields", "checklist"]
+FormPart = Literal["fields", "checklist"]
 EVERYTHING = "Report"
 DOCUMENTS = ("PDF", "HTML", "XLSX")
 DRAWINGS = ("Plan DXF", "Section DXF")
@@ -35,7 +35,7 @@ class ReportActions:
     """What the folder calls."""
 
     on_make: Callable[[str], None]
-    on_text: Callable[[Part, str, str], None]
+    on_text: Callable[[FormPart, str, str], None]
     on_paper: Callable[[str], None]
     on_add_reading: Callable[[], None]
     on_order: Callable[[str], None]
@@ -48,7 +48,7 @@ class ReportFolder:
     """The controls of the folder."""
 
     def __init__(self, gui: viser.GuiApi, actions: ReportActions) -> None:
-        self._texts: dict[tuple[Part, str], Any] = {}
+        self._texts: dict[tuple[FormPart, str], Any] = {}
         self._last_units: dict[tuple[str, ...], str] = {}
         with gui.add_folder("Report and drawings"):
             make = gui.add_button(
@@ -111,7 +111,7 @@ class ReportFolder:
             self.place.value = before if before in options else options[0]
             self._fit_menus()
 
-    def put_back(self, part: Part, name: str, refused: str, kept: str) -> None:
+    def put_back(self, part: FormPart, name: str, refused: str, kept: str) -> None:
         """Write what is kept over a text that was refused, unless another one was typed since."""
         control = self._texts[part, name]
         if control.value == refused:
@@ -129,7 +129,7 @@ class ReportFolder:
         self.line.visible = name in ON_A_LINE
 
     def _add_texts(
-        self, gui: viser.GuiApi, actions: ReportActions, part: Part, kind: Any, names: Iterable[str]
+        self, gui: viser.GuiApi, actions: ReportActions, part: FormPart, kind: Any, names: Iterable[str]
     ) -> None:
         for name in names:
             control: Any = gui.add_text(

@@ -22,9 +22,9 @@ from stair_inspector.viewer.parts.steps.results import Results
 from stair_inspector.viewer.scene.stage import Mode
 from stair_inspector.viewer.scene.step_marks import MARKED, TONE_RGB
 
-Subject = Literal["Raw", "Segmented"]
+SceneSubject = Literal["Raw", "Segmented"]
 
-_VIEWS: tuple[tuple[Subject, View, float, str], ...] = (
+_VIEWS: tuple[tuple[SceneSubject, View, float, str], ...] = (
     ("Raw", "Home", 0.5, "the scan as it came, grey where it has no colours"),
     ("Segmented", "Home", 0.5, "floor, treads in turn from bottom to top, and the edges that were found"),
     ("Segmented", "Front", 0.5, "seen by who climbs"),
@@ -32,7 +32,7 @@ _VIEWS: tuple[tuple[Subject, View, float, str], ...] = (
     ("Segmented", "Side", 1.0, "from the side"),
 )
 """What a report shows, from where, on what part of the page's width, and in words; Raw alone where there is no step."""
-_COLORS: dict[Subject, ColorMode] = {"Raw": "Original", "Segmented": "Step"}
+_COLORS: dict[SceneSubject, ColorMode] = {"Raw": "Original", "Segmented": "Step"}
 _WIDTH, _HEIGHT = 1200, 960
 """Of a picture, the height at most, pixels: 180 for each inch of a page's width, twice as many for half of it."""
 _LEAST_HEIGHT = 240
@@ -139,7 +139,7 @@ class SceneViews:
         self,
         render: Callable[[Pose, float], Colors],
         shown: Shown,
-        subject: Subject,
+        subject: SceneSubject,
         view: View,
         tell: Callable[[], None],
     ) -> tuple[Colors, Legend | None, Scale]:
@@ -173,7 +173,7 @@ class SceneViews:
                 self._looking.set_mode(chosen)
                 self._redraw()
 
-    def _dress(self, shown: Shown, subject: Subject, view: View) -> tuple[Legend | None, Pose, float]:
+    def _dress(self, shown: Shown, subject: SceneSubject, view: View) -> tuple[Legend | None, Pose, float]:
         """Draw the scene for a picture: on white, in the subject's colours, with nothing chosen and not cut."""
         desk = self._desk
         if desk.shown is not shown:
@@ -193,7 +193,7 @@ class SceneViews:
         fov_rad = FOV_RAD if view == "Home" else ORTHO_FOV_RAD
         return self._legend(subject, coloring.legend), with_fov(pose, self._looking.fov_rad, fov_rad), fov_rad
 
-    def _legend(self, subject: Subject, points: Legend | None) -> Legend | None:
+    def _legend(self, subject: SceneSubject, points: Legend | None) -> Legend | None:
         """Return what the colours of points, lines and marks mean."""
         if subject == "Raw" or points is None:
             return None

@@ -26,7 +26,7 @@ from stair_inspector.pictures.coloring import ColorMode, color_points, crease_of
 from stair_inspector.pictures.display import MAX_POINTS, Display, choose_display
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.legends import Legend
-from stair_inspector.pictures.segmentation import Drawing, draw, is_left_hidden, view_from_local
+from stair_inspector.pictures.segmentation import SegmentedScene, draw, is_left_hidden, view_from_local
 from stair_inspector.viewer.parts.desk import Desk, Shown
 from stair_inspector.viewer.scene.framing import beside, free_part, raised
 from stair_inspector.viewer.scene.stage import MODES
@@ -98,7 +98,7 @@ class Looking:
         """Switch the light and the darker creases on or off."""
         self.is_shaded = bool(is_shaded)
 
-    def drawing(self, shown: Shown, *, with_rejected: bool) -> Drawing:
+    def drawing(self, shown: Shown, *, with_rejected: bool) -> SegmentedScene:
         """Return what is drawn of a result in the present colours; their legend is remembered."""
         return draw(
             shown.inspection,

@@ -25,7 +25,7 @@ from stair_inspector.viewer.scene.measurements import (
     renamed,
     without,
 )
-from stair_inspector.viewer.scene.picking import Pick, cone_of, find_nearest, owner_text, pick_of, ray_of
+from stair_inspector.viewer.scene.picking import Pick, cone_of, owner_text, pick_of, point_at_click, ray_of
 
 _NOBODY = "none"
 _CLOSEST_M = 1.0
@@ -185,7 +185,7 @@ class MeasureTool:
         found = []
         for shift_m in {0.0, stage.shift_m()}:
             ray = ray_of(event.ray_origin, event.ray_direction, stage.rotation, shift_m)
-            row = find_nearest(display.points, ray, cone)
+            row = point_at_click(display.points, ray, cone)
             if row is not None:
                 found.append((float((display.points[row] - ray.origin) @ ray.direction), row))
         return pick_of(shown.inspection, display, min(found)[1]) if found else None

@@ -40,7 +40,7 @@ Columns = Literal["survey", "paper"]
 COLUMNS: tuple[Columns, ...] = ("survey", "paper")
 _PAPER_COLUMNS = (
     ("#", "", "Step, from bottom to top"),
-    *((each.symbol, each.display.unit, hint_of(each)) for each in SHOWN_OF_PAPER),
+    *((each.symbol, each.notation.unit, hint_of(each)) for each in SHOWN_OF_PAPER),
     ("points", "", "Points of the level"),
     ("RMS", "mm", "Root mean square distance of the points from their plane; it is not the accuracy"),
 )

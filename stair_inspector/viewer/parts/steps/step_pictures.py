@@ -17,7 +17,7 @@ from stair_inspector.pictures.frames import SectionFrame, section_frame
 from stair_inspector.pictures.residuals import ResidualMap, residual_map
 from stair_inspector.units import Unit, length_text
 from stair_inspector.viewer.bridge.markup import text
-from stair_inspector.viewer.scene.legends import legend_html
+from stair_inspector.viewer.scene.legends import colour_legend_html
 from stair_inspector.viewer.scene.section_svg import profile_svg
 from stair_inspector.viewer.scene.sections import cut, profile_of
 
@@ -72,7 +72,7 @@ def residual_html(scan: Scan, inspection: Inspection, step: Step, unit: Unit = "
         f'<text x="{_WIDTH / 2}" y="{height + 1.8 * _CAPTION:.1f}" text-anchor="middle" fill="currentColor" '
         'opacity="0.75">↑ climb · nosing</text>'
         f'<text x="{left + width:.1f}" y="{height + 1.8 * _CAPTION:.1f}" text-anchor="end" fill="currentColor" '
-        f'opacity="0.75">right</text></svg>{legend_html(residual_legend(limit_m, with_others=False))}</div>'
+        f'opacity="0.75">right</text></svg>{colour_legend_html(residual_legend(limit_m, with_others=False))}</div>'
     )
 
 

@@ -16,13 +16,13 @@ from stair_inspector.quantities import (
     ON_CARD,
     ON_LINES,
     Quantity,
-    Reach,
+    RestsOn,
     with_above,
 )
 from stair_inspector.stability import words_about
 from stair_inspector.units import (
     NOT_KNOWN,
-    Shown,
+    ShownUnit,
     Unit,
     difference_text,
     is_finer_than_a_fraction,
@@ -55,7 +55,7 @@ _TREAD_MISSING = "tread_missing"
 
 COLUMNS = (
     ("#", "", "Step, from bottom to top"),
-    *((each.head, each.display.unit, hint_of(each)) for each in IN_TABLE),
+    *((each.head, each.notation.unit, hint_of(each)) for each in IN_TABLE),
     ("RMS", "mm", "Root mean square distance of the points from their plane, in mm; it is not the accuracy"),
     ("cov.", "", "Coverage: share of the tread that has points"),
 )
@@ -292,7 +292,9 @@ def _step_row(
     )
 
 
-def _cell(measured: Measured | None, unit: Shown, why: str, moves: str = "", worst: tuple[str, str] = ("", "")) -> str:
+def _cell(
+    measured: Measured | None, unit: ShownUnit, why: str, moves: str = "", worst: tuple[str, str] = ("", "")
+) -> str:
     """Return a cell: the value, smaller its uncertainty, in the tooltip the uncertainty's parts.
 
     ``moves`` says of a value how it hangs on the settings, empty for one that does not. ``worst`` is the quantity's
@@ -325,15 +327,15 @@ def _cell(measured: Measured | None, unit: Shown, why: str, moves: str = "", wor
 
 def _why(inspection: Inspection, step: Step, quantity: Quantity) -> str:
     """Return why a quantity of a step is missing."""
-    return _why_missing(inspection, step, quantity.reach, quantity.note_words)
+    return _why_missing(inspection, step, quantity.rests_on, quantity.note_words)
 
 
-def _why_missing(inspection: Inspection, step: Step, reach: Reach, words: Sequence[str]) -> str:
+def _why_missing(inspection: Inspection, step: Step, rests_on: RestsOn, words: Sequence[str]) -> str:
     """Return the notes that speak of a value with one of these words, and never one about another quantity."""
     if inspection.is_withheld:
         return WITHHELD
-    from_here_up = reach in ("to_next", "both")
-    from_below = reach in ("from_below", "both")
+    from_here_up = rests_on in ("to_next", "both")
+    from_below = rests_on in ("from_below", "both")
     about = []
     for note in inspection.notes:
         if note.code == _TREAD_MISSING:
@@ -427,7 +429,7 @@ def _facts(inspection: Inspection, step: Step, unit: Unit) -> str:
     )
 
 
-def _fact(measured: Measured | None, unit: Shown, why: str) -> tuple[str, str]:
+def _fact(measured: Measured | None, unit: ShownUnit, why: str) -> tuple[str, str]:
     """Return a value with its uncertainty, and what that is made of or why there is none."""
     if measured is None:
         return NOT_KNOWN, why

@@ -29,7 +29,7 @@ class StepsActions:
     on_clear_overrules: Callable[[], None]
 
 
-class Table:
+class StepsTable:
     """A table of steps with its choice of columns; there is one on the Tune tab and one on the Steps tab."""
 
     def __init__(self, gui: viser.GuiApi, actions: StepsActions) -> None:
@@ -56,7 +56,7 @@ class StepsTab:
     """The controls of the tab; the overrules among them belong to ``controls``."""
 
     def __init__(self, gui: viser.GuiApi, controls: SettingControls, actions: StepsActions) -> None:
-        self.table = Table(gui, actions)
+        self.table = StepsTable(gui, actions)
         self.selected: Any = gui.add_dropdown(
             "Selected step",
             (NO_STEP,),

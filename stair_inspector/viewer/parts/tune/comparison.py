@@ -14,7 +14,7 @@ from stair_inspector.geometry.arrays import Ints
 from stair_inspector.model import Inspection, Statistics, Step
 from stair_inspector.params import SETTINGS, Params
 from stair_inspector.quantities import COMPARED, IN_TABLE, SHOWN_OF_PAPER, is_si_unit, with_above
-from stair_inspector.units import NOT_KNOWN, Shown, Unit, number_text, shown_in, signed_text, uncertainty_text
+from stair_inspector.units import NOT_KNOWN, ShownUnit, Unit, number_text, shown_in, signed_text, uncertainty_text
 from stair_inspector.viewer.bridge.controls import value_words
 from stair_inspector.viewer.bridge.markup import DIM, LINE, hint_of, table_head, text
 
@@ -281,7 +281,7 @@ def _step_cell(value: Difference, unit: Unit) -> str:
     )
 
 
-def _shown(name: str, unit: Unit) -> Shown | None:
+def _shown(name: str, unit: Unit) -> ShownUnit | None:
     """Return the unit a quantity is shown in, None for a count."""
     si_unit = name.rpartition("_")[2]
     return shown_in(si_unit, unit) if is_si_unit(si_unit) else None

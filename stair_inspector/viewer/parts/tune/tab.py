@@ -10,7 +10,7 @@ from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.notices import from_page
 from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES
-from stair_inspector.viewer.parts.steps.tab import StepsActions, Table
+from stair_inspector.viewer.parts.steps.tab import StepsActions, StepsTable
 
 OWN_PRESET = "(changed)"
 """What the preset menu says when the settings are those of no preset."""
@@ -69,7 +69,7 @@ class TuneTab:
         self.histogram = gui.add_html("")
         controls.add_place("heights")
         # What a slider does must be seen beside it.
-        self.table = Table(gui, steps)
+        self.table = StepsTable(gui, steps)
         with gui.add_folder("Survey", expand_by_default=False):
             controls.add_place("survey")
         with gui.add_folder("More settings", expand_by_default=False):
