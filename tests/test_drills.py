@@ -30,7 +30,7 @@ import openpyxl
 
 import stair_inspector
 from stair_inspector.content.fields import ReportBasis
-from stair_inspector.content.order import build
+from stair_inspector.content.order import build_document
 from stair_inspector.content.readings import STEP_READINGS
 from stair_inspector.content.schema import with_quantities
 from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES
@@ -47,7 +47,7 @@ from tests.writers.samples import MADE_AT
 
 assert Path(stair_inspector.__file__).parent.parent == Path(sys.argv[1])
 inspection = surveyed()[1]
-document = build(inspection, None, ReportBasis(), MADE_AT)
+document = build_document(inspection, None, ReportBasis(), MADE_AT)
 workbook = openpyxl.load_workbook(io.BytesIO(xlsx_bytes(document)))
 schema = json.loads(Path(sys.argv[2]).read_text())
 height_m = float(inspection.steps[1].line_points[1][2])
