@@ -19,7 +19,7 @@ from stair_inspector.pictures.cameras import FOV_RAD
 from stair_inspector.viewer.bridge.server import close_connection, prepare_client, prepare_server
 from stair_inspector.viewer.bridge.uploads import limit_uploads
 from stair_inspector.viewer.compute.worker import Workshop
-from stair_inspector.viewer.page import Session
+from stair_inspector.viewer.page import Page
 from stair_inspector.viewer.state.library import DEFAULT_UPLOAD_LIMIT_MB, Library
 from stair_inspector.viewer.state.work import KeptWishes, Work
 
@@ -67,7 +67,7 @@ class App:
         self._started = Work(params, basis=basis or ReportBasis())
         self._palettes = (read_palette("page"), read_palette("page_dark"))
         self._kept = KeptWishes(self._library.forget_upload)
-        self._sessions: dict[int, Session] = {}
+        self._sessions: dict[int, Page] = {}
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._workshop = Workshop()
@@ -119,7 +119,7 @@ class App:
     def _connect(self, client: viser.ClientHandle) -> None:
         prepare_client(client)
         limit_uploads(client, self._library.check_upload)
-        session = Session(
+        session = Page(
             client,
             self._workshop,
             self._library,

@@ -1,55 +1,73 @@
-"""One inspector: a page, the work on its scans, its last good result, and the thread that computes for it."""
+"""One inspector's page: its parts, the work on its scans, its last good result, and the thread that computes for it.
+
+A walk from a slider to the pipeline and back, in this order:
+
+1. ``bridge.controls.SettingControls`` made the slider, on the tab of a part. Moved by a person, it calls
+   :meth:`stair_inspector.viewer.state.editor.Editor.submit`.
+2. The editor reads all controls, keeps the settings as a change that can be undone, and has :meth:`Page._run` ask for
+   a run. Its ``changed(HISTORY)`` lets the Tune tab say what can be undone now.
+3. ``compute.runs.Runs`` computes the newest request on a thread of its own: it reads the scan by :meth:`Page._find`,
+   calls :func:`stair_inspector.pipeline.inspect`, and tells what it is at to :meth:`Page._progress`.
+4. :meth:`Page._done` puts the result on the desk and calls ``changed(RESULT)``; or :meth:`Page._failed` says why there
+   is none, and the last good one stays.
+5. :meth:`Page.changed` lets every part of :data:`PARTS` that depends on what has changed show itself, all in one.
+
+What a part does by itself goes the same way from its own method: it changes the work through the editor, or what is
+chosen and seen on the desk, and ``changed`` shows it wherever it is seen.
+"""
 
 import contextlib
-import dataclasses
 from collections.abc import Callable
-from typing import Any, Unpack
 
 import numpy as np
 import viser
 
-from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Scan
-from stair_inspector.params import Params, ScanUnit
-from stair_inspector.pictures.segmentation import view_from_local
-from stair_inspector.viewer.bridge.controls import words_of_change
-from stair_inspector.viewer.bridge.handles import uuid_of
+from stair_inspector.params import ScanUnit
+from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.notices import Notices
-from stair_inspector.viewer.bridge.reach_drag import REACH
-from stair_inspector.viewer.bridge.shortcuts import HelpCard
+from stair_inspector.viewer.bridge.shortcuts import Command, HelpCard, add_commands
+from stair_inspector.viewer.bridge.widgets import Widgets
 from stair_inspector.viewer.compute.jobs import Making
 from stair_inspector.viewer.compute.runs import CANCELLED, Listener, Prepared, Progress, Request, Runs
-from stair_inspector.viewer.compute.worker import Newest, Workshop
-from stair_inspector.viewer.parts.checks.check import Checking
-from stair_inspector.viewer.parts.checks.checks_html import RULE
+from stair_inspector.viewer.compute.worker import Workshop
+from stair_inspector.viewer.parts.checks.part import ChecksPart
 from stair_inspector.viewer.parts.desk import Desk, Shown
-from stair_inspector.viewer.parts.export.files import Exporting
-from stair_inspector.viewer.parts.export.report import Reporting
-from stair_inspector.viewer.parts.export.scene_views import SceneViews
-from stair_inspector.viewer.parts.look.look import Looking
-from stair_inspector.viewer.parts.look.toolbar import add_toolbar
-from stair_inspector.viewer.parts.panel import Offers, Panel
-from stair_inspector.viewer.parts.scan.opening import Opening
-from stair_inspector.viewer.parts.scan.region import RegionTool
-from stair_inspector.viewer.parts.scan.upright import UprightTool
-from stair_inspector.viewer.parts.steps import html
-from stair_inspector.viewer.parts.steps.examination_html import CURE
-from stair_inspector.viewer.parts.steps.results import Results
-from stair_inspector.viewer.parts.steps.settling import Settling
-from stair_inspector.viewer.parts.steps.verdicts import Deciding
-from stair_inspector.viewer.parts.tune.paper_edges import PaperEdges
-from stair_inspector.viewer.parts.tune.presets import Tuning, known_presets
-from stair_inspector.viewer.parts.tune.runs import Comparing, sweep_titles
+from stair_inspector.viewer.parts.drawing import SceneDrawing
+from stair_inspector.viewer.parts.export.part import ExportPart
+from stair_inspector.viewer.parts.frame import Frame
+from stair_inspector.viewer.parts.judge import Judge
+from stair_inspector.viewer.parts.look.part import LookPart
+from stair_inspector.viewer.parts.page_settings import PageSettings
+from stair_inspector.viewer.parts.part import Context, PagePart
+from stair_inspector.viewer.parts.scan.part import ScanPart
+from stair_inspector.viewer.parts.scene_look import SceneLook
+from stair_inspector.viewer.parts.steps.part import StepsPart
+from stair_inspector.viewer.parts.tune.part import TunePart
 from stair_inspector.viewer.scene.stage import Stage
+from stair_inspector.viewer.state.change import PageChange
+from stair_inspector.viewer.state.editor import Editor
 from stair_inspector.viewer.state.library import Library
-from stair_inspector.viewer.state.work import Changes, Keeper, KeptWishes, Work
-from stair_inspector.viewer.wiring import actions_of, add_keys
+from stair_inspector.viewer.state.opening import Opening
+from stair_inspector.viewer.state.work import Keeper, KeptWishes, Work
 
-_BRAND = (24, 110, 160)
+PARTS: tuple[type[PagePart], ...] = (
+    SceneDrawing,
+    Frame,
+    ScanPart,
+    TunePart,
+    StepsPart,
+    ChecksPart,
+    LookPart,
+    ExportPart,
+    PageSettings,
+)
+"""Every part, from the top of the panel to its foot; each that has a title is a tab. What lies over the drawing comes
+after it."""
 
 
-class Session:
+class Page:
     """The page of one connected browser.
 
     Parameters
@@ -80,434 +98,171 @@ class Session:
         kept: KeptWishes,
         end: Callable[[], None],
     ) -> None:
-        self._client = client
-        self._started = params = started.params
-        self._error: str | None = None
-        # Why the controls, as they stand now, can not even be asked for.
-        self._refusal: str | None = None
-        # What a run and what the making of a file told last; both have the same line on the page.
-        self._running: Progress | None = None
-        self._made: Progress | None = None
-        self._theme()
-        self.notices = Notices(client)
-        self.desk = Desk(client, self.notices, palettes, Stage(client))
+        notices = Notices(client)
+        self.desk = Desk(client, notices, palettes, Stage(client), changed=self.changed)
         self.keeper = Keeper(library, self._on_saved)
-        self.help = HelpCard(client.gui)
-        self.looking = Looking(self.desk)
-        # Sending another number of points takes longer than a slider's next event.
-        redraw = self.notices.guard(lambda: self.redraw(is_new_cloud=True))
-        self._redraws: Newest[None] = Newest(lambda _: redraw(), name=f"stair-points-{client.client_id}")
-        offers = Offers(library.labels(), tuple(known_presets(params)), tuple(sweep_titles().values()))
-        self.panel = Panel(client, offers, params, actions_of(self))
-        self.opening = Opening(client, library, self.keeper, self.panel, self.notices, started, kept, end)
-        self.results = Results(self.desk, self.panel)
-        self.checking = Checking(self.desk, self.panel, self.results, self)
-        self.paper_edges = PaperEdges(self.desk, self._show_legend)
-        self.making = Making(self.show_making, lambda: self.desk.is_closed)
-        self.tuning = Tuning(self.desk, self.panel, self, params, self.making)
-        self.comparing = Comparing(self.desk, self.panel, self, workshop, lambda: self.keeper.scan)
-        self.deciding = Deciding(self.desk, self.panel, self.results, self.keeper, self)
-        self.exporting = Exporting(
-            self.desk, self.panel, self.looking, self.keeper, self, self.making, self.checking.checked
-        )
-        views = SceneViews(self.desk, self.looking, self.results, self.redraw)
-        self.reporting = Reporting(
-            self.desk, self.panel, self.checking, self.keeper, self, views, self.making, self._show_changes
-        )
-        self.region = RegionTool(self.desk, self.panel.scan, self.panel.controls, self)
-        self.upright = UprightTool(self.desk, self, self._say_up)
-        self.toolbar = add_toolbar(client.gui, self.panel, self.desk, self.looking, self.results, self)
-        self.upright.borrow = self.toolbar.measure.lend
+        controls = SettingControls(client.gui, started.params, notices.guard(lambda: self.editor.submit()))
+        self.editor = Editor(self.keeper, controls, started.params, self._run, self.changed, self._failed)
+        self.opening = Opening(client, library, self.keeper, controls, notices, started, kept, end)
         listener = Listener(self._find, self._done, self._failed, self._progress)
-        self.runs = Runs(workshop, listener, self.notices, f"stair-session-{client.client_id}")
-        self.settling = Settling(self.desk, workshop, self.runs.is_busy, self._show_unsettled)
-        add_keys(self)
-        client.camera.on_update(lambda _: self.notices.guard(self._on_camera)())
+        self.runs = Runs(workshop, listener, notices, f"stair-session-{client.client_id}")
+        self.making = Making(self.show_making, lambda: self.desk.is_closed)
+        self.look = SceneLook(self.desk)
+        self.judge = Judge(self.desk, self.editor)
+        self.parts: tuple[PagePart, ...] = ()
         try:
             self.opening.restore()
-            self._show_legend()
-            self.panel.show_waiting(self.keeper.label, self.desk.palette)
-            self._show_status(busy="starting …")
-            self._show_work()
-            self.submit()
+            self._make_parts(Widgets(client.gui, notices.guard), workshop, library)
+            self.desk.status.waiting = "starting …"
+            self.changed(*PageChange)
+            self.editor.submit()
         except BaseException:
             self.close()
             raise
 
+    def _make_parts(self, widgets: Widgets, workshop: Workshop, library: Library) -> None:
+        context = Context(
+            widgets=widgets,
+            desk=self.desk,
+            look=self.look,
+            judge=self.judge,
+            editor=self.editor,
+            keeper=self.keeper,
+            opening=self.opening,
+            library=library,
+            workshop=workshop,
+            making=self.making,
+            runs=self.runs,
+            help=HelpCard(widgets.gui),
+            cancel=self.cancel,
+            commands=self.commands,
+            put_away=self.put_away,
+        )
+        tabs: viser.GuiTabGroupHandle | None = None
+        for kind in PARTS:
+            if kind.title and tabs is None:
+                tabs = widgets.gui.add_tab_group()
+            place = tabs.add_tab(kind.title, kind.icon) if kind.title and tabs is not None else contextlib.nullcontext()
+            with place:
+                self.parts = (*self.parts, kind(context))
+        add_commands(widgets.gui, self.commands())
+
     def close(self) -> None:
         """Let go of everything; called when the page is gone."""
-        self.desk.is_closed = self.notices.is_closed = True
-        self._end_threads()
+        self.desk.is_closed = self.desk.notices.is_closed = True
+        self.runs.close()
+        for part in self.parts:
+            part.close()
+        self.keeper.close()
         # The project is free by then: the page that comes back takes up the same one.
         self.opening.leave()
 
-    def _end_threads(self) -> None:
-        for part in (
-            self.runs,
-            self.settling,
-            self.comparing,
-            self.toolbar.section,
-            self._redraws,
-            self.paper_edges,
-            self.keeper,
-        ):
-            part.close()
+    # What the parts have together.
 
-    # The work: what may be changed, and how it is taken back. See desk.Editor.
+    def changed(self, *what: PageChange) -> None:
+        """Let the parts that depend on a change show themselves, all at once."""
+        with self.desk.lock, self.desk.client.atomic():
+            if self.desk.is_closed:
+                return
+            changes = frozenset(what)
+            if changes & {PageChange.WORK, PageChange.RESULT}:
+                self.judge.judge()
+            for part in self.parts:
+                if part.depends_on & changes:
+                    part.show(changes)
 
-    @property
-    def work(self) -> Work:
-        """The work as it stands."""
-        return self.keeper.work
+    def commands(self) -> tuple[Command, ...]:
+        """Return the commands of all parts, each guarded."""
+        guard = self.desk.notices.guard
+        return tuple(
+            Command(each.label, guard(each.action), each.key, each.modifier)
+            for part in self.parts
+            for each in part.commands()
+        )
 
-    # Whoever holds both locks took the desk's first: nothing here may show anything while it holds the keeper's.
-
-    def adjust(self, change: Callable[[Params], Params], words: str = "") -> None:
-        """Change the settings as they stand at that moment, set the controls to them, and run."""
-        with self.keeper.lock:
-            with contextlib.suppress(ConfigError):
-                # A control that was moved just now has not been asked for yet; it must not jump back.
-                self._read_controls()
-            before = self.work
-            params = change(before.params)
-            self._go_on(dataclasses.replace(before, params=params), words or words_of_change(before.params, params)[0])
-        self._show_work()
-
-    def take_up(self, work: Work, words: str) -> None:
-        """Go on with other work, all in one change, and run."""
-        with self.keeper.lock:
-            self._go_on(work, words)
-        self._show_work()
-
-    def edit(self, words: str, change: Callable[[Work], Changes], merge_key: str = "") -> None:
-        """Change other parts of the work, as it stands at that moment, and show them."""
-        with self.keeper.lock:
-            self.keeper.change(words, merge_key, **change(self.work))
-        self._show_work()
-
-    def change(self, words: str, **fields: Unpack[Changes]) -> None:
-        """Change other parts of the work, whatever they are now, and show them."""
-        self.edit(words, lambda _: fields)
-
-    def undo(self) -> None:
-        """Take the last change back."""
-        self._step(self.keeper.undo, can=self.keeper.history.can_undo, words="undo")
-
-    def redo(self) -> None:
-        """Do again what was taken back."""
-        self._step(self.keeper.redo, can=self.keeper.history.can_redo, words="redo")
-
-    def reset(self) -> None:
-        """Go back to the settings that the server was started with."""
-        self.adjust(lambda _: self._started, "reset to preset")
-
-    def submit(self) -> None:
-        """Ask for a run with what the controls show now."""
-        names = ""
-        with self.keeper.lock:
-            try:
-                names = self._read_controls()
-            except ConfigError as error:
-                self._refusal = str(error)
-            else:
-                self._ask()
-            refusal = self._refusal
-        self.paper_edges.changed(names)
-        if refusal is not None:
-            self._failed(refusal)
-        else:
-            self._show_changes()
-
-    def pick(self, message: str) -> None:
-        """Do what a click on a row, or a drag over the histogram, asks for."""
-        word, _, value = str(message).partition(":")[0].partition(" ")
-        if word == RULE:
-            self.checking.pick(value)
-            return
-        if word == CURE:
-            self.deciding.take_cure(message)
-            return
-        if word != REACH:
-            self.results.pick(message)
-            return
-        if not value.isdecimal() or len(value) > 6:
-            raise ConfigError(f"ε_z: got {value[:40]!r}; give a whole number of millimetres")
-        self.adjust(lambda params: params.replaced("levels.eps_m", int(value) / 1000.0))
+    def put_away(self) -> None:
+        """Put the selection or the tool in use away."""
+        for part in reversed(self.parts):
+            if part.put_away():
+                return
 
     def cancel(self) -> None:
         """Stop what is being computed or made for this page."""
         self.runs.cancel()
         self.making.cancel()
-        self.comparing.cancel()
+        for part in self.parts:
+            part.cancel()
 
-    def _step(self, step: Callable[[], Work], *, can: bool, words: str) -> None:
-        if not can:
-            raise ConfigError(f"{words}: there is nothing to {words}")
-        with self.keeper.lock:
-            work = step()
-            self.panel.controls.load(work.params)
-            self._ask()
-        self._show_work()
+    # Runs: called on the thread that computes, but for the first.
 
-    # The keeper's lock is held.
-
-    def _read_controls(self) -> str:
-        """Take the settings that the controls show into the work; return the names of those that have changed."""
-        params = self.panel.controls.read()
-        words, names = words_of_change(self.work.params, params)
-        self.keeper.change(words, names, params=params)
-        return names
-
-    def _go_on(self, work: Work, words: str) -> None:
-        self.panel.controls.load(work.params)
-        self.keeper.replace(work, words)
-        self._ask()
-
-    def _ask(self) -> None:
-        """Hand a wish to the thread that computes."""
-        self._refusal = None
-        self.runs.submit(Request(self.keeper.label, self.work.params), self.keeper.scan)
-
-    # Scans.
-
-    def choose_scan(self, label: str) -> None:
-        """Open another scan. The page is empty until it is measured: what is done counts for it alone."""
-        with self.desk.lock, self._client.atomic():
-            with self.keeper.lock:
-                if not self.opening.choose(label):
-                    return
-                self._put_away()
-                self._ask()
-            self._show_work()
-            self._show_status(busy="opening …")
-
-    def take_upload(self, file: Any) -> None:
-        """Open an uploaded scan."""
-        self.choose_scan(self.opening.keep_upload(file))
-
-    # Runs: called on the thread that computes.
+    def _run(self) -> None:
+        """Ask for a run with the present work; the keeper's lock is held."""
+        self.runs.submit(Request(self.keeper.label, self.editor.work.params), self.keeper.scan)
 
     def _find(self, request: Request, read: Callable[[ScanUnit], Scan]) -> tuple[Request, Scan]:
         """Read a scan; work that was done on another state of the file is put aside."""
         scan = read(request.params.unit)
         if self.opening.is_of(request.label, scan.sha256):
             return request, scan
-        self._show_work()
+        self.changed(PageChange.WORK)
         with self.keeper.lock:
             bench = self.keeper.bench(request.label)
             params = bench.history.value.params if bench is not None else request.params
         return Request(request.label, params), read(params.unit)
 
+    def _progress(self, progress: Progress) -> None:
+        """Say what is being computed; the last good result stays, dimmed."""
+        with self.desk.lock:
+            if self.runs.is_busy():
+                self.desk.status.running = progress
+                self.changed(PageChange.STATUS)
+
     def _done(self, request: Request, scan: Scan, inspection: Inspection, prepared: Prepared) -> None:
         """Show a result, all of it at once."""
-        desk = self.desk
+        desk, look, status = self.desk, self.look, self.desk.status
         with desk.lock:
-            self._running = None
+            status.running = status.waiting = None
             if desk.is_closed or request.label != self.keeper.label:
                 return
             before = desk.shown
             is_new_scan = before is None or before.scan is not scan
-            self.looking.know_normals(scan, prepared.normals)
-            display = self.looking.display(scan) if is_new_scan or before is None else before.display
+            look.know_normals(scan, prepared.normals)
+            display = look.display(scan) if is_new_scan or before is None else before.display
             shown = Shown(request.label, scan, display, inspection)
-            drawing = self.looking.drawing(shown, with_rejected=self.results.with_rejected)
-            # Only now: if making a part of the page fails, the exports stay those of the result that is still shown.
-            desk.shown = shown
+            # If making a part of the page fails, the exports stay those of the result that is still shown.
+            look.prepare(shown)
+            desk.show(shown)
+            desk.heights = prepared.heights
             # A run that was under way may end after a control was set to something impossible: that stays said.
-            self._error = self._refusal
-            self.results.renew()
-            self.settling.renew()
+            status.error = self.editor.refusal
+            # While a slider moves, the next run waits already; dimming the table each time would flicker.
+            if self.runs.has_waiting() and status.error is None:
+                status.waiting = "measuring …"
             # The scene is turned upright only for another scan or another up: nothing jumps while a slider moves.
-            is_new_view = (
-                is_new_scan or before is None or not np.array_equal(before.inspection.up.vector, inspection.up.vector)
-            )
-            with self._client.atomic():
-                if is_new_view:
-                    self._show_scan(shown)
-                desk.stage.show_drawing(drawing, desk.palette, self.notices.guard(self.results.select))
-                self.results.show_histogram()
-                self.results.show_details()
-                self.checking.show()
-                self.reporting.show_readings()
-                self.paper_edges.draw()
-                self._show_legend()
-                self.tuning.know_heights(prepared.heights)
-                self.show_runs()
-                if is_new_view:
-                    self.toolbar.show()
-                    self.region.show()
-                    self.upright.show()
-                else:
-                    self.toolbar.section.show()
-                # While a slider moves, the next run waits already; dimming the table each time would flicker.
-                is_waiting = self.runs.has_waiting() and self._error is None
-                self._show_status(busy="measuring …" if is_waiting else None, is_stale=self._error is not None)
-                if is_new_view:
-                    self.looking.look("Home")
+            is_turned = before is not None and not np.array_equal(before.inspection.up.vector, inspection.up.vector)
+            self.changed(PageChange.RESULT, *((PageChange.SCAN,) if is_new_scan or is_turned else ()))
             if not self.runs.has_waiting():
-                self.results.show_pictures()
+                self.changed(PageChange.REST)
 
     def _failed(self, words: str) -> None:
-        with self.desk.lock:
-            if words == CANCELLED and self.desk.shown is None:
+        """Say why there is no result; the last good one stays."""
+        desk, status = self.desk, self.desk.status
+        with desk.lock:
+            if words == CANCELLED and desk.shown is None:
                 words = "cancelled before anything was measured. Press Run again, or choose another scan"
-            self._running = None
-            self._error = self._refusal or " ".join(words.split())
-            with self._client.atomic():
-                self._show_status(is_stale=self.desk.shown is not None)
+            status.running = status.waiting = None
+            status.error = self.editor.refusal or " ".join(words.split())
+            self.changed(PageChange.STATUS)
 
-    def _progress(self, progress: Progress) -> None:
-        """Say what is being computed; the last good result stays, dimmed."""
-        with self.desk.lock:
-            if self.desk.is_closed or not self.runs.is_busy():
-                return
-            self._running = progress
-            with self._client.atomic():
-                self._show_status(busy=progress.words, is_stale=self.desk.shown is not None, percent=progress.percent)
-
-    # What the page shows.
-
-    def show_runs(self) -> None:
-        """Show the kept runs, and the comparison with the chosen one."""
-        self.comparing.show()
-
-    def redraw(self, *, is_new_cloud: bool = False) -> None:
-        """Draw the present result again, in other colours or with other points."""
-        desk = self.desk
-        with desk.lock, self._client.atomic():
-            shown = desk.shown
-            if shown is None:
-                return
-            if is_new_cloud:
-                shown = desk.shown = dataclasses.replace(shown, display=self.looking.display(shown.scan))
-                self._show_scan(shown)
-            drawing = self.looking.drawing(shown, with_rejected=self.results.with_rejected)
-            desk.stage.show_drawing(drawing, desk.palette, self.notices.guard(self.results.select))
-            self.results.show_selection()
-            self._show_legend()
-            self.toolbar.show()
-            if is_new_cloud:
-                self.region.show()
-
-    def set_density(self, percent: float) -> None:
-        """Draw so many of the points."""
-        self.looking.set_percent(percent)
-        self._redraws.submit(None)
-
-    def set_rejected(self, is_shown: bool) -> None:
-        """Show or hide the rejected surfaces."""
-        with self.desk.lock:
-            self.results.with_rejected = bool(is_shown)
-            if not is_shown:
-                self.desk.selected_patch = None
-            self.redraw()
-
-    def set_theme(self, is_dark: bool) -> None:
-        """Switch between the light and the dark theme."""
-        with self.desk.lock, self._client.atomic():
-            self.desk.is_dark = bool(is_dark)
-            self._theme()
-            self.redraw()
-            self.results.show_histogram()
-            self._show_legend()
-
-    def set_unit(self, option: str) -> None:
-        """Write lengths in millimetres or in inches."""
-        with self.desk.lock:
-            self.results.set_unit(option)
-            self.toolbar.show()
-            self.show_runs()
-            self.reporting.show_readings()
-
-    def _on_camera(self) -> None:
-        with self.desk.lock:
-            if not self.desk.is_closed:
-                self.looking.reframe()
-
-    def _theme(self) -> None:
-        is_dark = hasattr(self, "desk") and self.desk.is_dark
-        self._client.gui.configure_theme(
-            dark_mode=is_dark, show_logo=False, show_share_button=False, brand_color=_BRAND
-        )
-
-    def _show_scan(self, shown: Shown) -> None:
-        self.region.clear()
-        size_m = self.looking.point_size_of(shown.display)
-        self.desk.stage.show_scan(shown.display, view_from_local(shown.inspection), size_m)
-        self.panel.scan.show_point_size(size_m)
-        self.panel.header.content = html.header_html(shown.label, len(shown.scan.points), len(shown.display.points))
-
-    def _put_away(self) -> None:
-        """Clear the page of a result that belongs to a scan which is no longer open."""
-        desk = self.desk
-        desk.shown = desk.selected = desk.selected_patch = self._running = self._error = None
-        self.region.clear()
-        desk.stage.clear()
-        self.toolbar.section.show()
-        self.upright.show()
-        self.panel.show_waiting(self.keeper.label, desk.palette)
-        self.results.put_away()
-
-    def _show_work(self) -> None:
-        """Show everything about the work that is no setting."""
-        with self.desk.lock, self._client.atomic():
-            self.paper_edges.put_away()
-            self._show_changes()
-            self.opening.show()
-            self.panel.export.title.value = self.work.title
-            self.toolbar.views.show()
-            self.checking.show()
-            self.reporting.show()
-            self._show_legend()
-            self.toolbar.measure.show()
-            self.region.show()
-            self.show_runs()
-            self.exporting.show_saved()
-
-    def _show_changes(self) -> None:
-        history = self.keeper.history
-        self.panel.tune.show_changes(history.undo_label, history.redo_label)
-        self.tuning.show_preset()
-
-    def _show_legend(self) -> None:
-        with_paper = self.paper_edges.is_drawn
-        marks, looking = self.results.marks, self.looking
-        self.panel.show_legend(self.desk.palette, looking.legend, looking.color_mode, marks, with_paper=with_paper)
+    # What is made and saved beside the runs.
 
     def show_making(self, words: str | None, percent: float) -> None:
         """Show how far the making of files is; None when it is over."""
         with self.desk.lock:
-            self._made = None if words is None else Progress(words, percent)
-            if not self.desk.is_closed:
-                is_stale = self._error is not None or self._running is not None
-                self._show_status(is_stale=is_stale and self.desk.shown is not None)
-
-    def _show_status(self, *, busy: str | None = None, is_stale: bool = False, percent: float | None = None) -> None:
-        going_on = self._made or self._running
-        if busy is None and going_on is not None:
-            busy, percent = going_on.words, going_on.percent
-        error = self._error if busy is None else None
-        self.panel.run.visible = error is not None and self._refusal is None
-        self.panel.state.content = html.state_html(
-            self.desk.marked,
-            busy=busy,
-            error=error,
-            is_stale=is_stale,
-            percent=percent,
-            cancel_uuid=uuid_of(self.panel.cancel),
-        )
-
-    def _show_unsettled(self) -> None:
-        """Show which values hang on the settings; the desk is held."""
-        self.results.show_details()
-        self.results.show_selection(with_pictures=False)
-        self._show_status(is_stale=self._error is not None)
+            self.desk.status.made = None if words is None else Progress(words, percent)
+            self.changed(PageChange.STATUS)
 
     def _on_saved(self, words: str, is_failure: bool) -> None:
-        if not self.desk.is_closed:
-            self.exporting.show_saved()
-            if words:
-                self.notices.tell("Not saved" if is_failure else "Saved elsewhere", words, is_failure=is_failure)
-
-    def _say_up(self, content: str) -> None:
-        self.panel.scan.up_hint.content = content
+        self.changed(PageChange.STATUS)
+        if words:
+            self.desk.notices.tell("Not saved" if is_failure else "Saved elsewhere", words, is_failure=is_failure)

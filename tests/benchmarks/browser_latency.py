@@ -45,9 +45,9 @@ def main():
 
     from stair_inspector.pictures.display import choose_display
     from stair_inspector.viewer.app import App
-    from stair_inspector.viewer.parts.look import look as looking
+    from stair_inspector.viewer.parts import scene_look
 
-    looking.choose_display = lambda scan, most: choose_display(scan, min(most, given.drawn))
+    scene_look.choose_display = lambda scan, most: choose_display(scan, min(most, given.drawn))
     with tempfile.TemporaryDirectory() as folder:
         scan = Path(folder) / "scan.ply"
         scanner = Scanner(

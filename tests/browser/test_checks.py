@@ -7,7 +7,7 @@ from stair_inspector.codes.phrases import value_text
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.projects import parse_project
 from stair_inspector.files.rule_sets import find_rule_set
-from stair_inspector.viewer.parts.checks.tab import NO_OVERLAY, NO_RULES
+from stair_inspector.viewer.parts.checks.rule_menus import NO_OVERLAY, NO_RULES
 from stair_inspector.viewer.scene.step_marks import marks_of
 from tests.browser.inspector_page import THROTTLE_MS, click_at_once, share_changed
 from tests.browser.test_layout import TABS

@@ -12,7 +12,7 @@ from stair_inspector.files.scans import read_scan
 from stair_inspector.model import Note
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.viewer.parts.steps import html
+from stair_inspector.viewer.parts import html
 from tests.viewer.surveyed import surveyed
 
 SAMPLES = Path(stair_inspector.__file__).parent.parent / "sample_scans"

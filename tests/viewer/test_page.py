@@ -19,10 +19,10 @@ from stair_inspector.files.projects import Measurement, read_project
 from stair_inspector.files.settings import preset_bytes
 from stair_inspector.params import Params
 from stair_inspector.viewer.app import App
-from stair_inspector.viewer.parts.scan import opening
-from stair_inspector.viewer.parts.tune.presets import STARTED_WITH
-from stair_inspector.viewer.parts.tune.tab import OWN_PRESET
+from stair_inspector.viewer.parts.tune.presets import OWN_PRESET, STARTED_WITH
+from stair_inspector.viewer.state import opening
 from stair_inspector.viewer.state.library import state_of
+from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import WirePage, await_that
 
 _STREAM = io.BytesIO()
@@ -89,28 +89,28 @@ def test_the_desk_is_never_waited_for_while_the_work_is_held(serve):
     held, wrong = threading.local(), []
     session.desk.lock = WatchedLock("desk", held, wrong)
     session.keeper.lock = WatchedLock("keeper", held, wrong)
-    session.adjust(lambda params: params.replaced("levels.eps_m", 0.03))
-    session.change("measured", measurements=(POINT,))
-    session.undo()
-    session.redo()
-    session.reset()
-    session.submit()
-    session.pick("reach 25:1")
-    session.exporting.set_title("Hall")
-    session.reporting.set_paper("US Letter")
-    session.reporting.set_text("fields", "firm", "Alder")
-    session.panel.export.report.value.value = "170"
-    session.reporting.add_reading()
-    session.set_unit("in")
-    session.tuning.take_preset(next(iter(session.tuning._presets)))
-    session.comparing.keep("A")
-    session.toolbar.views.keep()
-    session.region.use_tool("Around the stair")
-    session.upright.start("Take the treads")
-    session.results.select(1)
-    session.deciding.mark("rejected")
-    session.deciding.clear()
-    session.choose_scan("other.ply")
+    session.editor.adjust(lambda params: params.replaced("levels.eps_m", 0.03))
+    session.editor.change("measured", measurements=(POINT,))
+    session.editor.undo()
+    session.editor.redo()
+    session.editor.reset()
+    session.editor.submit()
+    part_of(session, "tune").take_reach("reach 25:1")
+    part_of(session, "export").set_title("Hall")
+    part_of(session, "export").report.set_paper("US Letter")
+    part_of(session, "export").report.set_text("fields", "firm", "Alder")
+    part_of(session, "export").report.value.value = "170"
+    part_of(session, "export").report.add_reading()
+    session.desk.set_unit("in")
+    part_of(session, "tune").presets.take_preset(next(iter(part_of(session, "tune").presets._presets)))
+    part_of(session, "tune").comparison.keep("A")
+    part_of(session, "look").views.keep()
+    part_of(session, "scan").region.use_tool("Around the stair")
+    part_of(session, "scan").upright.start("Take the treads")
+    session.desk.select(1)
+    part_of(session, "steps").verdicts.mark("rejected")
+    part_of(session, "steps").verdicts.clear()
+    part_of(session, "scan").choose("other.ply")
     page.await_result("other.ply")
     assert wrong == []
 
@@ -120,80 +120,80 @@ def test_nothing_is_done_to_a_scan_while_another_is_still_shown(serve, folder, t
     page = WirePage(serve())
     page.await_result("stair.ply")
     session = page.session
-    session.results.select(1)
-    project = session.exporting._project
+    session.desk.select(1)
+    project = part_of(session, "export").downloads._project
     of_stair = project()
-    session.choose_scan("other.ply")
+    part_of(session, "scan").choose("other.ply")
     for act in (
-        lambda: session.deciding.mark("rejected"),
-        session.toolbar.views.keep,
-        lambda: session.comparing.keep("A"),
-        lambda: session.region.use_tool("Around the stair"),
-        lambda: session.upright.start("Take the treads"),
-        lambda: session.exporting.download("CSV"),
-        lambda: session.exporting.open_project(SimpleNamespace(name="p.stair.json", content=of_stair)),
+        lambda: part_of(session, "steps").verdicts.mark("rejected"),
+        part_of(session, "look").views.keep,
+        lambda: part_of(session, "tune").comparison.keep("A"),
+        lambda: part_of(session, "scan").region.use_tool("Around the stair"),
+        lambda: part_of(session, "scan").upright.start("Take the treads"),
+        lambda: part_of(session, "export").downloads.download("CSV"),
+        lambda: part_of(session, "export").open_project(SimpleNamespace(name="p.stair.json", content=of_stair)),
     ):
         with pytest.raises(ConfigError):
             act()
-    assert session.work.params == Params()
-    await_that(lambda: "other.ply" in (session._error or ""), "the broken file is not said")
-    assert "other.ply" in session.panel.header.content
-    assert "stair.ply" not in session.panel.header.content
-    assert 'data-testid="step-row"' not in session.panel.steps.table.html.content
-    assert "for these settings" not in session.panel.state.content
-    assert "Shown dimmed" not in session.panel.state.content
-    session.choose_scan("stair.ply")
+    assert session.editor.work.params == Params()
+    await_that(lambda: "other.ply" in (session.desk.status.error or ""), "the broken file is not said")
+    assert "other.ply" in part_of(session, "frame").header.content
+    assert "stair.ply" not in part_of(session, "frame").header.content
+    assert 'data-testid="step-row"' not in part_of(session, "steps").table.html.content
+    assert "for these settings" not in part_of(session, "frame").state.content
+    assert "Shown dimmed" not in part_of(session, "frame").state.content
+    part_of(session, "scan").choose("stair.ply")
     assert page.await_result("stair.ply").inspection.steps
 
 
 def test_another_scan_begins_with_its_own_unit_and_up(serve):
     app = serve(Params().replaced("up", "z"))
     session = WirePage(app).session
-    session.adjust(lambda params: params.replaced("up", "0.01,0,1").replaced("levels.eps_m", 0.03))
-    session.adjust(lambda params: params.replaced("unit", "mm"))
-    session.choose_scan("other.ply")
-    params = session.work.params
+    session.editor.adjust(lambda params: params.replaced("up", "0.01,0,1").replaced("levels.eps_m", 0.03))
+    session.editor.adjust(lambda params: params.replaced("unit", "mm"))
+    part_of(session, "scan").choose("other.ply")
+    params = session.editor.work.params
     assert (params.up, params.unit, params.levels.eps_m) == ("z", Params().unit, 0.03)
 
 
 def test_a_report_begins_with_what_the_server_was_given_and_goes_on_with_the_surveyor_but_not_with_the_stair(serve):
     basis = ReportBasis(fields=ReportFields(firm="Alder & Finch", client="Northgate"), paper="us-letter")
     session = WirePage(serve(basis=basis)).session
-    assert session.work.basis == basis
+    assert session.editor.work.basis == basis
     fields = dataclasses.replace(basis.fields, inspector="J. Alder", instrument_model="X 7", stair="C-2", client="Else")
     reading = TapeReading("rise", 0.17, step=1)
-    session.change("changed", basis=ReportBasis(fields=fields, readings=(reading,), logo=LOGO))
+    session.editor.change("changed", basis=ReportBasis(fields=fields, readings=(reading,), logo=LOGO))
     edit = RuleEdit("riser", "maximum", Limit.of("7 3/4", "in"), Limit.of("6", "in"), "why")
     left = LeftEdits("us-irc-2021", (edit,))
-    session.change("changed", rules=ChosenRules("us-irc-2024", decision="simple", edits=(edit,), left=(left,)))
-    session.choose_scan("other.ply")
-    other = session.work
+    session.editor.change("changed", rules=ChosenRules("us-irc-2024", decision="simple", edits=(edit,), left=(left,)))
+    part_of(session, "scan").choose("other.ply")
+    other = session.editor.work
     wanted = dataclasses.replace(basis.fields, inspector="J. Alder", instrument_model="X 7")
     assert other.basis == ReportBasis(fields=wanted, logo=LOGO)
     assert other.rules == ChosenRules("us-irc-2024", decision="simple")
-    session.choose_scan("stair.ply")
-    assert (session.work.basis.fields, len(session.work.rules.edits)) == (fields, 1)
+    part_of(session, "scan").choose("stair.ply")
+    assert (session.editor.work.basis.fields, len(session.editor.work.rules.edits)) == (fields, 1)
 
 
 def test_a_reload_brings_the_work_on_every_scan_back_with_its_undo(serve):
     app = serve(saves_projects=False)
     page = WirePage(app)
     page.await_result("stair.ply")
-    page.session.change("title", title="Hall")
-    page.session.adjust(lambda params: params.replaced("levels.eps_m", 0.03))
-    page.session.choose_scan("other.ply")
-    page.session.change("title", title="Yard")
+    page.session.editor.change("title", title="Hall")
+    page.session.editor.adjust(lambda params: params.replaced("levels.eps_m", 0.03))
+    part_of(page.session, "scan").choose("other.ply")
+    page.session.editor.change("title", title="Yard")
     leave(app, page)
     page = WirePage(app, page.storage)
     session = page.session
-    assert (session.keeper.label, session.work.title) == ("other.ply", "Yard")
+    assert (session.keeper.label, session.editor.work.title) == ("other.ply", "Yard")
     assert session.keeper.history.undo_label == "title"
-    session.choose_scan("stair.ply")
-    assert (session.work.title, session.work.params.levels.eps_m) == ("Hall", 0.03)
-    session.undo()
-    session.undo()
-    assert session.work.title == ""
-    assert session.work.params.levels.eps_m == Params().levels.eps_m
+    part_of(session, "scan").choose("stair.ply")
+    assert (session.editor.work.title, session.editor.work.params.levels.eps_m) == ("Hall", 0.03)
+    session.editor.undo()
+    session.editor.undo()
+    assert session.editor.work.title == ""
+    assert session.editor.work.params.levels.eps_m == Params().levels.eps_m
 
 
 @pytest.mark.slow
@@ -201,22 +201,22 @@ def test_a_page_that_comes_back_leaves_alone_what_others_have_saved_meanwhile(se
     app = serve()
     mine = WirePage(app)
     mine.await_result()
-    mine.session.change("title", title="mine")
+    mine.session.editor.change("title", title="mine")
     leave(app, mine)
     assert title_in(folder / "stair.stair.json") == "mine"
     theirs = WirePage(app)
     theirs.await_result()
-    assert theirs.session.work.title == "mine"
-    theirs.session.change("title", title="theirs")
+    assert theirs.session.editor.work.title == "mine"
+    theirs.session.editor.change("title", title="theirs")
     third = WirePage(app)
     third.await_result()
-    third.session.change("title", title="third")
+    third.session.editor.change("title", title="third")
     leave(app, third)
     leave(app, theirs)
     mine = WirePage(app, mine.storage)
     mine.await_result()
-    assert mine.session.work.title == "mine"
-    mine.session.change("title", title="mine again")
+    assert mine.session.editor.work.title == "mine"
+    mine.session.editor.change("title", title="mine again")
     mine.session.keeper.save()
     assert title_in(folder / "stair.stair.json") == "theirs"
     assert title_in(folder / "stair.2.stair.json") == "third"
@@ -229,13 +229,13 @@ def test_work_that_could_not_be_saved_before_a_reload_is_saved_after_it_whatever
     page.await_result("stair.ply")
     in_the_way = folder / "stair.stair.json"
     in_the_way.mkdir()
-    page.session.change("title", title="Hall")
-    page.session.choose_scan("other.ply")
+    page.session.editor.change("title", title="Hall")
+    part_of(page.session, "scan").choose("other.ply")
     page.await_result("other.ply")
     leave(app, page)
     in_the_way.rmdir()
     page = WirePage(app, page.storage)
-    page.session.change("title", title="Yard")
+    page.session.editor.change("title", title="Yard")
     page.session.keeper.save()
     assert (title_in(in_the_way), title_in(folder / "other.stair.json")) == ("Hall", "Yard")
 
@@ -245,10 +245,10 @@ def test_a_page_that_comes_back_while_its_file_is_in_use_takes_none_that_exists(
     app = serve()
     mine = WirePage(app)
     mine.await_result()
-    mine.session.change("title", title="mine")
+    mine.session.editor.change("title", title="mine")
     theirs = WirePage(app)
     theirs.await_result()
-    theirs.session.change("title", title="theirs")
+    theirs.session.editor.change("title", title="theirs")
     leave(app, mine)
     third = WirePage(app)
     third.await_result()
@@ -266,7 +266,7 @@ def test_saved_work_is_held_against_the_file_even_if_another_scan_was_chosen_fir
     app = serve()
     page = WirePage(app)
     page.await_result()
-    page.session.change("measured", measurements=(POINT,))
+    page.session.editor.change("measured", measurements=(POINT,))
     leave(app, page)
     app.stop()
     shutil.copy(two_stairs / "other.ply", folder / "stair.ply")
@@ -281,14 +281,14 @@ def test_saved_work_is_held_against_the_file_even_if_another_scan_was_chosen_fir
     page = WirePage(app)
     session = page.session
     await_that(session.runs.is_busy, "the first scan is not being read")
-    session.choose_scan("other.ply")
+    part_of(session, "scan").choose("other.ply")
     assert not session.opening.is_of("stair.ply", state_of(folder / "stair.ply"))
     is_chosen.set()
     page.await_result("other.ply")
-    session.choose_scan("stair.ply")
+    part_of(session, "scan").choose("stair.ply")
     page.await_result("stair.ply")
-    assert session.work.measurements == ()
-    session.change("title", title="new state")
+    assert session.editor.work.measurements == ()
+    session.editor.change("title", title="new state")
     session.keeper.save()
     assert read_project(folder / "stair.stair.json").measurements == (POINT,)
     assert title_in(folder / "stair.2.stair.json") == "new state"
@@ -296,7 +296,7 @@ def test_saved_work_is_held_against_the_file_even_if_another_scan_was_chosen_fir
     app.stop()
     page = WirePage(serve())
     page.await_result("stair.ply")
-    await_that(lambda: page.session.work.title == "new state", "the work on this state is not back")
+    await_that(lambda: page.session.editor.work.title == "new state", "the work on this state is not back")
     assert any("stair.2.stair.json is back" in told for told in page.told())
 
 
@@ -305,7 +305,7 @@ def test_work_on_a_file_that_changes_is_put_aside_and_undo_brings_it_back(serve,
     app = serve()
     page = WirePage(app)
     page.await_result()
-    page.session.change("all", measurements=(POINT,), title="Hall")
+    page.session.editor.change("all", measurements=(POINT,), title="Hall")
     if reloads:
         leave(app, page)
     else:
@@ -314,35 +314,35 @@ def test_work_on_a_file_that_changes_is_put_aside_and_undo_brings_it_back(serve,
     if reloads:
         page = WirePage(app, page.storage)
     session = page.session
-    session.submit()
-    await_that(lambda: session.work.measurements == (), "measurements of the other cloud are still there")
+    session.editor.submit()
+    await_that(lambda: session.editor.work.measurements == (), "measurements of the other cloud are still there")
     await_that(lambda: any("File changed" in told for told in page.told()), "nobody is told")
     page.await_result()
     session.keeper.save()
     assert read_project(folder / "stair.stair.json").measurements == (POINT,)
-    assert title_in(folder / "stair.2.stair.json") == session.work.title == "Hall"
-    session.undo()
-    assert session.work.measurements == (POINT,)
+    assert title_in(folder / "stair.2.stair.json") == session.editor.work.title == "Hall"
+    session.editor.undo()
+    assert session.editor.work.measurements == (POINT,)
 
 
 def test_an_upload_is_nobody_elses_and_what_is_done_on_it_is_not_called_saved(serve, two_stairs):
     app = serve()
     mine, theirs = WirePage(app), WirePage(app)
     upload = SimpleNamespace(name="up.ply", content=(two_stairs / "other.ply").read_bytes())
-    mine.session.take_upload(upload)
+    part_of(mine.session, "scan").take_upload(upload)
     mine.await_result("up.ply")
     assert mine.session.keeper.path is None
-    assert "Kept until the server ends" in mine.session.panel.export.saved.content
+    assert "Kept until the server ends" in part_of(mine.session, "export").saved.content
     assert any("up.ply is deleted when the server ends" in told for told in mine.told())
     with pytest.raises(ConfigError, match="is none of the files"):
-        theirs.session.choose_scan("up.ply")
+        part_of(theirs.session, "scan").choose("up.ply")
 
 
 def test_uploads_of_pages_that_have_gone_make_room(serve, two_stairs):
     app = serve()
     content = (two_stairs / "other.ply").read_bytes()
     page = WirePage(app)
-    page.session.take_upload(SimpleNamespace(name="first.ply", content=content))
+    part_of(page.session, "scan").take_upload(SimpleNamespace(name="first.ply", content=content))
     path = page.session.keeper.scan
     leave(app, page)
     other = WirePage(app)
@@ -363,15 +363,15 @@ def test_a_browser_that_is_back_before_its_old_connection_is_known_to_be_dead_go
     app = serve()
     dead = WirePage(app)
     dead.await_result()
-    dead.session.change("title", title="Hall")
+    dead.session.editor.change("title", title="Hall")
     dead.is_answering = False
     page = WirePage(app, dead.storage)
-    assert page.session.work.title == "Hall"
+    assert page.session.editor.work.title == "Hall"
     assert page.session.keeper.path == folder / "stair.stair.json"
     assert dead.session not in app._sessions.values()
     # A second tab of a browser whose first one answers has work of its own.
     tab = WirePage(app, page.storage)
-    assert tab.session.work.title == ""
+    assert tab.session.editor.work.title == ""
     assert page.session in app._sessions.values()
 
 
@@ -379,7 +379,7 @@ def test_a_browser_that_is_back_before_its_old_connection_is_known_to_be_dead_go
 def test_the_next_server_opens_the_scan_that_was_open(serve):
     app = serve()
     page = WirePage(app)
-    page.session.choose_scan("other.ply")
+    part_of(page.session, "scan").choose("other.ply")
     page.await_result("other.ply")
     leave(app, page)
     app.stop()
@@ -392,23 +392,25 @@ def test_the_next_server_opens_the_scan_that_was_open(serve):
 
 def test_a_preset_that_the_menu_could_not_tell_from_its_own_words_is_refused(serve):
     session = WirePage(serve()).session
-    before = session.work
+    before = session.editor.work
     for title in (OWN_PRESET, STARTED_WITH):
         with pytest.raises(ConfigError, match="is a word of the menu"):
-            session.tuning.load_preset(SimpleNamespace(name="p.toml", content=preset_bytes(Params(), title, "Own.")))
-    assert session.work == before
+            part_of(session, "tune").presets.load_preset(
+                SimpleNamespace(name="p.toml", content=preset_bytes(Params(), title, "Own."))
+            )
+    assert session.editor.work == before
 
 
 def test_what_is_typed_as_the_title_is_one_change_and_only_a_title(serve):
     session = WirePage(serve()).session
     for typed in ("H", "Ha", "Hal", "Hall"):
-        session.exporting.set_title(typed)
-    assert session.work.title == "Hall"
+        part_of(session, "export").set_title(typed)
+    assert session.editor.work.title == "Hall"
     with pytest.raises(ConfigError, match="holds a control character"):
-        session.exporting.set_title("Hall\x00")
-    assert session.work.title == "Hall"
-    session.undo()
-    assert session.work.title == ""
+        part_of(session, "export").set_title("Hall\x00")
+    assert session.editor.work.title == "Hall"
+    session.editor.undo()
+    assert session.editor.work.title == ""
 
 
 def test_not_saved_stays_said_until_a_save_succeeds(serve, folder):
@@ -417,22 +419,22 @@ def test_not_saved_stays_said_until_a_save_succeeds(serve, folder):
     session = page.session
     in_the_way = folder / "stair.stair.json"
     in_the_way.mkdir()
-    session.change("title", title="Hall")
+    session.editor.change("title", title="Hall")
     session.keeper.save()
-    assert "Not saved" in session.panel.export.saved.content
-    session.change("title", title="Hall B")
-    assert "Not saved" in session.panel.export.saved.content
+    assert "Not saved" in part_of(session, "export").saved.content
+    session.editor.change("title", title="Hall B")
+    assert "Not saved" in part_of(session, "export").saved.content
     in_the_way.rmdir()
     session.keeper.save()
-    assert "Saved at" in session.panel.export.saved.content
+    assert "Saved at" in part_of(session, "export").saved.content
 
 
 def test_a_slider_that_moves_while_something_else_is_set_does_not_jump_back(serve):
     session = WirePage(serve()).session
     # The page has sent the slider's new value, and its callback waits for a thread.
-    session.panel.controls._controls["horizontal.theta_deg"].value = 20.0
-    session.pick("reach 25:1")
-    params = session.work.params
+    session.editor.controls._controls["horizontal.theta_deg"].value = 20.0
+    part_of(session, "tune").take_reach("reach 25:1")
+    params = session.editor.work.params
     assert (params.horizontal.theta_deg, params.levels.eps_m) == (20.0, 0.025)
-    session.undo()
-    assert session.work.params == Params().replaced("horizontal.theta_deg", 20.0)
+    session.editor.undo()
+    assert session.editor.work.params == Params().replaced("horizontal.theta_deg", 20.0)

@@ -74,7 +74,7 @@ class WirePage:
         def is_there():
             # All of a result is shown while the desk is held.
             with session.desk.lock:
-                shown, wanted = session.desk.shown, session.work.params
+                shown, wanted = session.desk.shown, session.editor.work.params
                 return shown is not None and shown.label == (label or shown.label) and shown.inspection.params == wanted
 
         await_that(is_there, "there is no result of the present settings")

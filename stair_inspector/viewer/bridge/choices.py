@@ -1,7 +1,5 @@
 """Groups of buttons of which one is on: viser's own do not show which."""
 
-from typing import Any
-
 import viser
 
 from stair_inspector.viewer.bridge.handles import uuid_of
@@ -33,7 +31,7 @@ class Choice:
         is_visible: bool = True,
     ) -> None:
         self._options = options
-        self.group: Any = gui.add_button_group(label, options, hint=hint, visible=is_visible)
+        self.group = gui.add_button_group(label, options, hint=hint, visible=is_visible)
         self._mark = gui.add_html("")
         self.show(chosen)
 

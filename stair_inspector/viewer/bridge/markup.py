@@ -139,6 +139,14 @@ def set_script(control_uuid: str, value: str | bool) -> str:
     return write_script(control_uuid, json.dumps(value))
 
 
+def order_script(control_uuid: str, order: str) -> str:
+    """Return the script of a button that writes an order into a hidden control, as ``order:time``.
+
+    The time makes a second press of the same button a new value.
+    """
+    return write_script(control_uuid, f"{json.dumps(order + ':')}+Date.now()")
+
+
 def pick_script(pick_uuid: str, number: int, word: str = "") -> str:
     """Return the script of a row: it writes the step or surface into a hidden control, as if typed there.
 

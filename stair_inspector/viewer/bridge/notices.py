@@ -7,7 +7,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Coroutine, Iterator
-from typing import Any
+from typing import Protocol
 
 import viser
 
@@ -41,7 +41,7 @@ class Notices:
     @contextlib.contextmanager
     def working(self, words: str) -> Iterator[None]:
         """Show that something is being made, if it takes longer than half a second."""
-        notes: list[Any] = []
+        notes: list[viser.NotificationHandle] = []
         lock = threading.Lock()
 
         def show() -> None:
@@ -65,7 +65,7 @@ class Notices:
     def guard(self, action: Callable[..., None]) -> Callable[..., None]:
         """Wrap an action so that its failure is a sentence on the page, not a line in the server's log."""
 
-        def guarded(*values: Any) -> None:
+        def guarded(*values: object) -> None:
             try:
                 action(*values)
             except StairError as error:
@@ -85,7 +85,15 @@ class Notices:
         logger.log(logging.DEBUG if self.is_closed else logging.ERROR, words, exc_info=True)
 
 
-def from_page(action: Callable[..., None], read: Callable[[], Any] | None = None) -> Callable[[Any], None]:
+class Event(Protocol):
+    """What viser tells of an event: ``client`` is None where the server itself has set the value."""
+
+    @property
+    def client(self) -> viser.ClientHandle | None:
+        """The page that did it."""
+
+
+def from_page(action: Callable[..., None], read: Callable[[], object] | None = None) -> Callable[[Event], None]:
     """Return a callback that calls an action for what a person did, not for what the server itself has set.
 
     Parameters
@@ -96,7 +104,7 @@ def from_page(action: Callable[..., None], read: Callable[[], Any] | None = None
         Returns the control's value: that of now, since viser runs callbacks on many threads at once.
     """
 
-    def called(event: Any) -> None:
+    def called(event: Event) -> None:
         if event.client is not None:
             action(*(() if read is None else (read(),)))
 
@@ -104,15 +112,15 @@ def from_page(action: Callable[..., None], read: Callable[[], Any] | None = None
 
 
 def orders_from_page(
-    action: Callable[..., None], read: Callable[[], Any]
-) -> Callable[[Any], Coroutine[None, None, None]]:
+    action: Callable[..., None], read: Callable[[], object]
+) -> Callable[[Event], Coroutine[None, None, None]]:
     """Return a callback for a control into which buttons of a list write: each order is read as it comes.
 
     viser awaits it before it takes the next message. An action that reads the control on a thread of its own may find
     the order that came next.
     """
 
-    async def called(event: Any) -> None:
+    async def called(event: Event) -> None:
         if event.client is not None:
             asyncio.get_running_loop().run_in_executor(None, action, read())
 

@@ -2,14 +2,14 @@
 
 viser can put nothing there. Both are made inside the panel, and move themselves out of it as soon as they are there: so
 they stay when the panel is folded away, and follow the scene when it is docked elsewhere. The toolbar's buttons write
-into the panel's own controls, which do the same when they are used themselves; see markup.set_script for the hook.
+what they ask for into a hidden control; see markup.order_script for the hook.
 """
 
 import json
 from dataclasses import dataclass
 from typing import Literal
 
-from stair_inspector.viewer.bridge.markup import LINE, script_html, set_script, text
+from stair_inspector.viewer.bridge.markup import LINE, order_script, script_html, text
 
 _GAP = 10
 """From the edges of the scene, pixels."""
@@ -17,23 +17,23 @@ _GAP = 10
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """A button of the toolbar: its words, what it explains, and the control and value that it writes.
+    """A button of the toolbar: its words, what it explains, and the order that it writes.
 
     ``is_on`` says of one of several whether it is the chosen one; None for a button that only does something.
     """
 
     words: str
     hint: str
-    control_uuid: str
-    value: str | bool
+    order: str
     is_on: bool | None = None
 
 
-def toolbar_html(groups: tuple[tuple[Tool, ...], ...]) -> str:
-    """Return the toolbar: groups of buttons in one row."""
+def toolbar_html(orders_uuid: str, groups: tuple[tuple[Tool, ...], ...]) -> str:
+    """Return the toolbar: groups of buttons in one row, which write to the control of that identity."""
     made = "".join(
         '<span style="display:inline-flex;border-radius:5px;overflow:hidden;'
-        f'border:1px solid {LINE};background:var(--mantine-color-body)">' + "".join(map(_button, group)) + "</span>"
+        f'border:1px solid {LINE};background:var(--mantine-color-body)">'
+        f"{''.join(_button(orders_uuid, tool) for tool in group)}</span>"
         for group in groups
     )
     return (
@@ -67,8 +67,8 @@ def _lift(edge: Literal["top", "bottom"], widest: int) -> str:
     return script_html(script)
 
 
-def _button(tool: Tool) -> str:
-    script = set_script(tool.control_uuid, tool.value)
+def _button(orders_uuid: str, tool: Tool) -> str:
+    script = order_script(orders_uuid, tool.order)
     state = "" if tool.is_on is None else f' aria-pressed="{"true" if tool.is_on else "false"}"'
     colors = (
         "background:var(--mantine-primary-color-filled);color:#fff" if tool.is_on else "background:none;color:inherit"

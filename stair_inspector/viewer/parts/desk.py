@@ -1,10 +1,10 @@
 """What the parts of one inspector's page share: the last good result, what is chosen, and how it is shown."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Protocol, Unpack
+from typing import Literal
 
 import numpy as np
 import viser
@@ -12,14 +12,21 @@ import viser
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Inspection, Note, Scan
-from stair_inspector.params import Params
+from stair_inspector.model import HeightOrder, Inspection, Note, Scan
+from stair_inspector.pictures.coloring import rejected_of
 from stair_inspector.pictures.display import Display
+from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.picture import safe_name
-from stair_inspector.units import Unit
+from stair_inspector.pictures.segmentation import SURFACE
+from stair_inspector.units import Unit, read_unit
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.scene.stage import Stage
-from stair_inspector.viewer.state.work import Changes, Work
+from stair_inspector.viewer.scene.step_marks import StepMark
+from stair_inspector.viewer.state.change import PageChange
+from stair_inspector.viewer.state.status import PageStatus
+
+Columns = Literal["survey", "paper"]
+"""Of the tables of steps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,6 +43,10 @@ class Shown:
         """What files about the scan are called; two scans of the same name have the folder in their label."""
         return safe_name(Path(self.label).with_suffix("").as_posix())
 
+    def drawn_as(self, display: Display) -> "Shown":
+        """Return the same result with other points drawn."""
+        return replace(self, display=display)
+
 
 @dataclass(slots=True, eq=False)
 class Desk:
@@ -43,7 +54,12 @@ class Desk:
 
     ``lock`` is held while anything here is read or changed together with the page; viser runs callbacks on many
     threads. ``selected`` is a step, ``selected_patch`` a rejected surface; never both. ``unsettled`` are notes on
-    values of the last good result that hang on the settings: found afterwards, and no part of it.
+    values of the last good result that hang on the settings: found afterwards, and no part of it. ``marks`` are those
+    of steps that are outside a limit; see :class:`~stair_inspector.viewer.parts.judge.Judge`. ``heights`` is what
+    the last run has sorted, from which settings are suggested. ``columns`` None shows the survey's columns where there
+    are any, and ``folded`` flights list no steps. ``point_taker`` is given the points that are picked in the scene, in
+    the scan's frame, instead of the measure tool. ``changed`` lets the parts of the page that depend on a change show
+    themselves.
     """
 
     client: viser.ClientHandle
@@ -58,6 +74,15 @@ class Desk:
     selected_patch: int | None = None
     is_closed: bool = False
     unsettled: tuple[Note, ...] = ()
+    heights: HeightOrder | None = None
+    marks: Mapping[int, StepMark] = field(default_factory=dict)
+    with_rejected: bool = False
+    with_paper: bool = False
+    columns: Columns | None = None
+    folded: frozenset[int] = frozenset()
+    status: PageStatus = field(default_factory=PageStatus)
+    point_taker: Callable[[tuple[float, float, float]], None] | None = None
+    changed: Callable[..., None] = lambda *_: None
 
     @property
     def palette(self) -> Palette:
@@ -81,6 +106,63 @@ class Desk:
     def frame(self) -> tuple[str, str] | None:
         """Whose frame coordinates are in: the scan by its name in the menu, and the unit that it was read in."""
         return (self.shown.label, self.shown.scan.unit) if self.shown is not None else None
+
+    def show(self, shown: Shown) -> None:
+        """Take another result, and drop what it no longer has of what was chosen; the lock is held."""
+        self.shown, self.unsettled = shown, ()
+        if step_of(shown.inspection, self.selected) is None:
+            self.selected = None
+        # Surfaces are numbered anew by every run.
+        self.selected_patch = None
+
+    def clear(self) -> None:
+        """Forget the result of a scan that is no longer open; the lock is held."""
+        self.shown = self.selected = self.selected_patch = None
+        self.unsettled, self.folded = (), frozenset()
+
+    def select(self, step_id: int | None, patch_id: int | None = None) -> None:
+        """Choose a step or a rejected surface, or nothing.
+
+        Raises
+        ------
+        ConfigError
+            There is no such step or surface.
+        """
+        with self.lock:
+            inspection = self.inspection
+            if inspection is None:
+                return
+            if step_id is not None and step_of(inspection, step_id) is None:
+                raise ConfigError(f"step {step_id} does not exist; there are {len(inspection.steps)}")
+            if patch_id is not None and patch_id not in {patch.patch_id for patch in rejected_of(inspection)}:
+                raise ConfigError(f"{SURFACE} {patch_id} is none of the rejected ones")
+            self.selected, self.selected_patch = step_id, patch_id
+            self.changed(PageChange.SELECTION)
+
+    def move(self, by: int) -> None:
+        """Choose the next step upwards (1) or downwards (-1); the first or the last where none is chosen."""
+        with self.lock:
+            numbers = [step.step_id for step in self.inspection.steps] if self.inspection is not None else []
+            if not numbers:
+                return
+            if self.selected not in numbers:
+                chosen = numbers[0 if by > 0 else -1]
+            else:
+                chosen = numbers[min(max(numbers.index(self.selected) + by, 0), len(numbers) - 1)]
+            self.select(chosen)
+
+    def set_unit(self, option: str) -> None:
+        """Write lengths in millimetres or in inches."""
+        unit = read_unit(option)
+        with self.lock:
+            self.unit = unit
+            self.changed(PageChange.UNIT)
+
+    def set_theme(self, is_dark: bool) -> None:
+        """Show the page light or dark."""
+        with self.lock:
+            self.is_dark = bool(is_dark)
+            self.changed(PageChange.THEME)
 
     def result(self, what: str) -> Shown:
         """Return the last good result.
@@ -106,32 +188,3 @@ class Desk:
         shown = self.result("place")
         place: Floats = (np.asarray(points, dtype=np.float64) - shown.scan.origin_m) @ self.stage.rotation.T
         return place
-
-
-class Editor(Protocol):
-    """What parts of the page may change of the work; each change can be undone and is saved."""
-
-    @property
-    def work(self) -> Work:
-        """The work as it stands."""
-
-    def adjust(self, change: Callable[[Params], Params], words: str = "") -> None:
-        """Change the settings as they stand at that moment, set the controls to them, and run."""
-
-    def take_up(self, work: Work, words: str) -> None:
-        """Go on with other work, all in one change, and run."""
-
-    def edit(self, words: str, change: Callable[[Work], Changes], merge_key: str = "") -> None:
-        """Change other parts of the work, as it stands at that moment, and show them.
-
-        Changes that follow each other with the same key, as while a text is typed, are undone together.
-        """
-
-    def change(self, words: str, **fields: Unpack[Changes]) -> None:
-        """Change other parts of the work, whatever they are now, and show them."""
-
-    def submit(self) -> None:
-        """Run with what the controls show."""
-
-    def show_runs(self) -> None:
-        """Show the kept runs, and the comparison with the chosen one."""

@@ -77,7 +77,8 @@ class Stage:
 
     ``mode`` and ``point_size_m`` are what the inspector has chosen, also while a picture is taken in another mode
     (:meth:`lend`) or with larger points (:meth:`magnify`). ``n_drawn`` grows with everything that is drawn: as long as
-    it stays, the scene is the same.
+    it stays, the scene is the same. ``before_clear`` are called before the scene is emptied: who has drawn into it
+    takes that away.
     """
 
     client: viser.ClientHandle
@@ -86,6 +87,7 @@ class Stage:
     mode: Mode = "Segmented"
     point_size_m: float = 0.0
     n_drawn: int = 0
+    before_clear: list[Callable[[], None]] = field(default_factory=list)
     _lent: Mode | None = None
     _magnified: float = 1.0
     _nodes: dict[str, Any] = field(default_factory=dict)
@@ -318,6 +320,8 @@ class Stage:
     @_counted
     def clear(self) -> None:
         """Remove everything."""
+        for take_away in self.before_clear:
+            take_away()
         self._remove_steps()
         self._rejected = self._replace_labels(self._rejected, [])
         self._dimension_labels = self._replace_labels(self._dimension_labels, [])

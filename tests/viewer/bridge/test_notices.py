@@ -6,6 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 from stair_inspector.viewer.bridge.notices import orders_from_page
+from stair_inspector.viewer.parts import table
+from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
 
 
@@ -33,8 +35,9 @@ def test_two_orders_at_once_are_both_heard():
 
 def test_two_clicks_on_rows_are_both_heard(page, session, monkeypatch):
     heard = []
-    monkeypatch.setattr(session.results, "pick", heard.append)
+    monkeypatch.setattr(table, "pick_row", lambda desk, message: heard.append(message))
+    uuid = part_of(session, "steps").table.uuid
     for order in ("1:1", "2:2", "1:3"):
-        page._send({"type": "GuiUpdateMessage", "uuid": session.panel.picked._impl.uuid, "updates": {"value": order}})
+        page._send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": order}})
     await_that(lambda: len(heard) == 3, "an order was lost")
     assert sorted(heard) == ["1:1", "1:3", "2:2"]

@@ -7,35 +7,18 @@ from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_html
 from stair_inspector.viewer.bridge.reach_drag import drag_attributes
 from stair_inspector.viewer.bridge.shortcuts import Command, help_html, key_words
-from stair_inspector.viewer.wiring import commands_of
 
 
-class Anything:
-    """Has every attribute and can be called."""
-
-    def __getattr__(self, name):
-        return Anything()
-
-    def __call__(self, *_):
-        return None
-
-
-def commands():
-    session = Anything()
-    session.__dict__["notices"] = SimpleNamespace(guard=lambda action: action)
-    return commands_of(session)
-
-
-def test_no_key_has_two_meanings_and_no_two_commands_the_same_name():
-    keys = [(command.key, command.modifier) for command in commands() if command.key]
+def test_no_key_has_two_meanings_and_no_two_commands_the_same_name(session):
+    keys = [(command.key, command.modifier) for command in session.commands() if command.key]
     assert len(set(keys)) == len(keys)
-    labels = [command.label for command in commands()]
+    labels = [command.label for command in session.commands()]
     assert len(set(labels)) == len(labels)
 
 
-def test_the_help_card_lists_every_key_with_what_it_does():
-    card = help_html(commands())
-    for command in commands():
+def test_the_help_card_lists_every_key_with_what_it_does(session):
+    card = help_html(session.commands())
+    for command in session.commands():
         if command.key:
             assert f">{key_words(command)}</kbd>" in card
             assert command.label in card
@@ -49,7 +32,7 @@ def test_keys_are_written_as_people_do():
 
 
 def test_what_lies_over_the_scene_is_escaped_and_stays_out_of_the_mouses_way():
-    html = toolbar_html(((Tool("<b>", '"x"', "id", "it's"),),))
+    html = toolbar_html("id", ((Tool("<b>", '"x"', "it's"),),))
     assert "<b>" not in html
     assert "&quot;x&quot;" in html
     assert "pointer-events:none" in overlay_html("")

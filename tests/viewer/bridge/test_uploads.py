@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import STAIR, WirePage, await_that
 
 
@@ -56,11 +57,11 @@ def test_a_refused_upload_frees_its_button_and_takes_the_word_of_success_back(pa
     ],
 )
 def test_a_button_for_small_files_says_what_it_takes(page, name, size, words):
-    export = page.session.panel.export
+    export = part_of(page.session, "export")
     for button, suffix in (
         (export.report.load_logo, "png"),
         (export.open, "json"),
-        (page.session.panel.tune.load_preset, "toml"),
+        (part_of(page.session, "tune").presets.load, "toml"),
     ):
         offer(page, name.format(suffix), size, button._impl.uuid)
         wanted = words.format(suffix)
@@ -69,6 +70,6 @@ def test_a_button_for_small_files_says_what_it_takes(page, name, size, words):
 
 
 def test_the_button_of_scans_takes_scans_alone(page):
-    upload = page.session.panel.scan.upload
+    upload = part_of(page.session, "scan").upload
     offer(page, "rules.toml", 10, upload._impl.uuid)
     await_that(lambda: any("'rules.toml' is no scan by its name" in said for said in page.told()), "nothing is said")

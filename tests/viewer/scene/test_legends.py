@@ -4,7 +4,7 @@ import numpy as np
 
 from stair_inspector.pictures.legends import Legend, Ramp, colors_on
 from stair_inspector.viewer.scene.legends import colour_legend_html
-from tests.viewer.parts.steps.test_html import HOSTILE, Page
+from tests.viewer.parts.test_html import HOSTILE, Page
 
 RAMP = Ramp(((0, 0, 0), (100, 200, 50), (255, 255, 255)), ((0.0, "−5"), (0.5, "0"), (1.0, "+5")))
 

@@ -22,7 +22,7 @@ from stair_inspector.viewer.scene.measurements import (
     words_of,
 )
 from tests.synthetic import rotation
-from tests.viewer.parts.steps.test_html import HOSTILE, Page
+from tests.viewer.parts.test_html import HOSTILE, Page
 
 UP = np.array([0.0, 0.0, 1.0])
 FAR = np.array([455123.25, 5412345.5, 310.125])

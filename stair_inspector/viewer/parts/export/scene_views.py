@@ -15,12 +15,12 @@ from stair_inspector.pictures.legends import Legend, line_entries
 from stair_inspector.pictures.picture import Caption, Scale, picture_png, scale_of
 from stair_inspector.pictures.render import RenderedView, is_residual_map, report_views, residual_views
 from stair_inspector.pictures.segmentation import draw
-from stair_inspector.viewer.parts.desk import Desk, Shown
-from stair_inspector.viewer.parts.look.look import Looking
-from stair_inspector.viewer.parts.look.studio import studio
-from stair_inspector.viewer.parts.steps.results import Results
+from stair_inspector.viewer.parts.desk import Shown
+from stair_inspector.viewer.parts.part import Context
+from stair_inspector.viewer.parts.studio import studio
 from stair_inspector.viewer.scene.stage import Mode
 from stair_inspector.viewer.scene.step_marks import MARKED, TONE_RGB
+from stair_inspector.viewer.state.change import PageChange
 
 SceneSubject = Literal["Raw", "Segmented"]
 
@@ -51,21 +51,11 @@ class _ChangedError(ConfigError):
 
 
 class SceneViews:
-    """Takes pictures of a page's scene: of its points, edges, marks and measurements, in the colours of the report.
+    """Takes pictures of a page's scene: of its points, edges, marks and measurements, in the colours of the report."""
 
-    Parameters
-    ----------
-    desk, looking, results
-        Of the page.
-    redraw : callable
-        Shows the scene again as the inspector had it.
-    """
-
-    def __init__(self, desk: Desk, looking: Looking, results: Results, redraw: Callable[[], None]) -> None:
-        self._desk = desk
-        self._looking = looking
-        self._results = results
-        self._redraw = redraw
+    def __init__(self, context: Context) -> None:
+        self._desk = context.desk
+        self._look = context.look
 
     def take(
         self, shown: Shown, date: str, title: str, tell: Callable[[int, int], None], *, from_scene: bool = True
@@ -114,18 +104,18 @@ class SceneViews:
         self, shown: Shown, date: str, title: str, tell: Callable[[int, int], None]
     ) -> tuple[RenderedView, ...]:
         wanted = _VIEWS if shown.inspection.steps else _VIEWS[:1]
-        before, marks = self._desk.stage.mode, self._results.marks
+        before, marks = self._desk.stage.mode, self._desk.marks
         made = []
         try:
             with (
-                self._looking.lent(),
+                self._look.lent(),
                 studio(self._desk, _WIDTH, _HEIGHT, _TIMEOUT_S) as render,
             ):
                 for number, (subject, view, share, words) in enumerate(wanted):
                     pixels, legend, scale = self._at_rest(
                         render, shown, subject, view, partial(tell, number, len(wanted))
                     )
-                    if self._results.marks != marks:
+                    if self._desk.marks != marks:
                         raise _ChangedError("report: the marks have changed")
                     burned = Caption(title, shown.label, f"{subject.lower()}, {view.lower()} view", date, "")
                     png = picture_png(_without_emptiness(pixels), burned, legend, scale, "White", 1.0 / share)
@@ -153,10 +143,10 @@ class SceneViews:
             with desk.lock:
                 legend, pose, fov_rad = self._dress(shown, subject, view)
                 scale = scale_of(pose, fov_rad, _HEIGHT, desk.unit)
-                n_drawn, gone_to = stage.n_drawn, self._looking.gone_to
+                n_drawn, gone_to = stage.n_drawn, self._look.gone_to
             pixels = render(pose, fov_rad)
             with desk.lock:
-                if stage.n_drawn == n_drawn and self._looking.gone_to is gone_to:
+                if stage.n_drawn == n_drawn and self._look.gone_to is gone_to:
                     return pixels, legend, scale
         raise _ChangedError("report: the scene keeps changing")
 
@@ -168,10 +158,10 @@ class SceneViews:
             # The camera stands again as it did in that mode, and follows the steps into the one chosen since.
             stage.set_mode(mode_before)
             stage.lend(None)
-            self._redraw()
+            desk.changed(PageChange.COLORS)
             if chosen != mode_before:
-                self._looking.set_mode(chosen)
-                self._redraw()
+                self._look.set_mode(chosen)
+                desk.changed(PageChange.COLORS, PageChange.MODE)
 
     def _dress(self, shown: Shown, subject: SceneSubject, view: View) -> tuple[Legend | None, Pose, float]:
         """Draw the scene for a picture: on white, in the subject's colours, with nothing chosen and not cut."""
@@ -185,19 +175,19 @@ class SceneViews:
             stage.highlight(np.zeros((0, 3)), None)
             stage.show_dimensions(None, None, palette)
             drawing = draw(shown.inspection, shown.display, shown.scan.points, palette, colors=coloring.colors)
-            stage.show_drawing(drawing, palette, desk.notices.guard(self._results.select))
-            stage.show_marks(self._results.marks)
+            stage.show_drawing(drawing, palette, desk.notices.guard(desk.select))
+            stage.show_marks(self._desk.marks)
             stage.lend("Raw" if subject == "Raw" else "Segmented")
-            pose = self._looking.pose_of(shown, view, _WIDTH / _HEIGHT)
+            pose = self._look.pose_of(shown, view, _WIDTH / _HEIGHT)
         # Flat views are drawings: parallels stay parallel, whatever look the inspector has chosen.
         fov_rad = FOV_RAD if view == "Home" else ORTHO_FOV_RAD
-        return self._legend(subject, coloring.legend), with_fov(pose, self._looking.fov_rad, fov_rad), fov_rad
+        return self._legend(subject, coloring.legend), with_fov(pose, self._look.fov_rad, fov_rad), fov_rad
 
     def _legend(self, subject: SceneSubject, points: Legend | None) -> Legend | None:
         """Return what the colours of points, lines and marks mean."""
         if subject == "Raw" or points is None:
             return None
-        tones = {mark.tone for mark in self._results.marks.values()}
+        tones = {mark.tone for mark in self._desk.marks.values()}
         marked = tuple((TONE_RGB[tone], words) for tone, words in MARKED.items() if tone in tones)
         return dataclasses.replace(points, entries=(*points.entries, *line_entries(self._desk.palettes[0]), *marked))
 

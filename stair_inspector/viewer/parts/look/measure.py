@@ -1,7 +1,6 @@
 """The Measure tool: coordinates of picked points, and distances with their level and upright parts."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import viser
@@ -10,12 +9,8 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.cameras import Pose
 from stair_inspector.pictures.display import Display
 from stair_inspector.units import length_text
-from stair_inspector.viewer.bridge.choices import Choice
-from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.bridge.markup import DIM, read_order, text
-from stair_inspector.viewer.bridge.notices import from_page, orders_from_page
-from stair_inspector.viewer.parts.desk import Desk, Editor
-from stair_inspector.viewer.parts.look.look import Looking
+from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.scene.measurements import (
     ORDERS,
     RULER_MODES,
@@ -35,49 +30,33 @@ _NO_POINT = "no point lies there; zoom in, or click on the cloud itself"
 class MeasureTool:
     """Shift-click picks the foremost point; what is measured is drawn, listed, and part of the work."""
 
-    def __init__(
-        self,
-        gui: viser.GuiApi,
-        desk: Desk,
-        looking: Looking,
-        editor: Editor,
-        seen: Callable[[], Display | None],
-    ) -> None:
-        self._desk = desk
-        self._looking = looking
-        self._editor = editor
+    def __init__(self, context: Context, seen: Callable[[], Display | None]) -> None:
+        self._desk = desk = context.desk
+        self._look = context.look
+        self._editor = context.editor
+        # What of the scan can be picked while a section is shown alone.
         self._seen = seen
         self._ruler = Ruler()
         # Of which scan, read in which unit, the point is that waits for its second one.
         self._waiting_of: tuple[str, str] | None = None
         # Index of the measurement that has all its values in the scene; the last one without.
         self._detailed: int | None = None
-        # Somebody else who wants the next points, such as the tool for the up direction.
-        self._taker: Callable[[tuple[float, float, float]], None] | None = None
-        guard = desk.notices.guard
-        self._mode = Choice(
-            gui,
+        widgets = context.widgets
+        self._mode = widgets.choice(
             "Measure",
             RULER_MODES,
             self._ruler.mode,
-            "Then shift-click in the scene: once for a point, twice for a distance. Key M.",
+            self.set_mode,
+            hint="Then shift-click in the scene: once for a point, twice for a distance. Key M.",
         )
-        self._mode.group.on_click(from_page(guard(self.set_mode), lambda: self._mode.group.value))
-        self._told = gui.add_html("")
-        self._list = gui.add_html("")
-        # Buttons of the list write here; see markup.pick_script.
-        self._order: Any = gui.add_text("Measurement order", "", visible=False)
-        self._order.on_update(orders_from_page(guard(self.obey), lambda: self._order.value))
-        with gui.add_folder("Rename", expand_by_default=False):
-            self._which: Any = gui.add_dropdown("Which one", (_NOBODY,), initial_value=_NOBODY)
-            self._name: Any = gui.add_text("New name", "")
-            rename = gui.add_button("Rename it", icon=viser.Icon.PENCIL)
-            rename.on_click(lambda _: guard(self.rename)())
-        desk.client.scene.on_click(modifier="shift")(guard(self._on_click))
-
-    def lend(self, taker: Callable[[tuple[float, float, float]], None] | None) -> None:
-        """Give the next picked points, in the scan's frame, to somebody else, until called with None."""
-        self._taker = taker
+        self._told = widgets.html()
+        self._list = widgets.html()
+        self._orders = widgets.orders("Measurement order", self.obey)
+        with widgets.folder("Rename", is_open=False):
+            self._which = widgets.dropdown("Which one", (_NOBODY,))
+            self._name = widgets.text("New name")
+            widgets.button("Rename it", self.rename, icon=viser.Icon.PENCIL)
+        desk.client.scene.on_click(modifier="shift")(desk.notices.guard(self._on_click))
 
     def set_mode(self, option: str) -> None:
         """Choose what a click measures."""
@@ -132,7 +111,7 @@ class MeasureTool:
             known = self._editor.work.measurements
             inspection = desk.inspection
             up = inspection.up.vector if inspection is not None else None
-            self._list.content = measurements_html(known, up, desk.unit, uuid_of(self._order))
+            self._list.content = measurements_html(known, up, desk.unit, self._orders)
             options = (_NOBODY, *(entry.name for entry in known))
             if tuple(self._which.options) != options:
                 self._which.options = options
@@ -147,18 +126,19 @@ class MeasureTool:
             desk.stage.show_measurements(drawing)
             self._tell_mode()
 
-    def _on_click(self, event: Any) -> None:
+    def _on_click(self, event: viser.SceneClickEvent) -> None:
         desk = self._desk
         with desk.lock:
-            if self._ruler.mode == "Off" and self._taker is None:
+            taker = desk.point_taker
+            if self._ruler.mode == "Off" and taker is None:
                 self._say("Choose Point or Distance, then shift-click again.")
                 return
             pick = self._pick(event)
             if pick is None:
                 self._say(_NO_POINT)
                 return
-            if self._taker is not None:
-                self._taker(pick.place_m)
+            if taker is not None:
+                taker(pick.place_m)
                 return
             self._drop_other_scans_point()
             made = self._ruler.click(pick.place_m, self._editor.work.measurements)
@@ -176,7 +156,7 @@ class MeasureTool:
             self._ruler.step_back()
             self._waiting_of = frame
 
-    def _pick(self, event: Any) -> Pick | None:
+    def _pick(self, event: viser.SceneClickEvent) -> Pick | None:
         """Return the foremost drawn point that a click meets; side by side either cloud may be meant."""
         shown = self._desk.result("measure")
         display = self._seen() or shown.display
@@ -193,11 +173,11 @@ class MeasureTool:
     def _look_at(self, points: np.ndarray) -> None:
         places = self._desk.to_view(points)
         middle = places.mean(axis=0)
-        pose = self._looking.pose()
+        pose = self._look.pose()
         away = pose.position - pose.look_at
         reach = max(_CLOSEST_M, 2.5 * float(np.ptp(places, axis=0).max()))
-        reach *= np.tan(0.35) / np.tan(self._looking.fov_rad / 2.0)
-        self._looking.go_to(Pose(middle + reach * away / np.linalg.norm(away), middle, pose.up), self._looking.fov_rad)
+        reach *= np.tan(0.35) / np.tan(self._look.fov_rad / 2.0)
+        self._look.go_to(Pose(middle + reach * away / np.linalg.norm(away), middle, pose.up), self._look.fov_rad)
 
     def _say_pick(self, pick: Pick) -> None:
         place = ", ".join(f"{value:.3f}" for value in pick.place_m)

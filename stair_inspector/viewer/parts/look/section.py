@@ -1,21 +1,14 @@
 """The Section tool: a slab of the scan along or across the stair, in the scene and as a drawing."""
 
-from typing import Any
-
 import numpy as np
-import viser
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.cameras import ORTHO_FOV_RAD, frame_from
 from stair_inspector.pictures.display import Display
 from stair_inspector.pictures.frames import section_frame
-from stair_inspector.viewer.bridge.choices import Choice
-from stair_inspector.viewer.bridge.notices import from_page
 from stair_inspector.viewer.compute.worker import Newest
-from stair_inspector.viewer.parts.desk import Desk
-from stair_inspector.viewer.parts.look.look import Looking
 from stair_inspector.viewer.parts.look.section_card import MOST_DOTS, SectionCard
-from stair_inspector.viewer.parts.steps.results import Results
+from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.scene.section_svg import profile_svg
 from stair_inspector.viewer.scene.sections import (
     DIRECTIONS,
@@ -36,10 +29,9 @@ _LOOK, _ENLARGE, _SAVE = "Look at it", "Enlarge", "Save CSV"
 class SectionTool:
     """Controls of the slab, the thin cloud in the scene, and the 2-D profile."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, looking: Looking, results: Results) -> None:
-        self._desk = desk
-        self._looking = looking
-        self._results = results
+    def __init__(self, context: Context) -> None:
+        self._desk = desk = context.desk
+        self._look = context.look
         self.display: Display | None = None
         self._profile: Profile | None = None
         self._is_on = False
@@ -49,29 +41,29 @@ class SectionTool:
         # Whose frame the section is cut in.
         self._step_id: int | None = None
         guard = desk.notices.guard
-        self._card = SectionCard(gui, guard)
+        self._card = SectionCard(context.widgets)
         # While a slider moves only the newest section is made: each one goes through all points of the scan.
         show = guard(self.show)
         self._newest: Newest[None] = Newest(lambda _: show(), name=f"stair-section-{desk.client.client_id}")
-        self._on: Any = gui.add_checkbox("Section", False, hint="Shows a slab of the scan alone. Key X.")
-        self._on.on_update(from_page(guard(self.set_on), lambda: self._on.value))
-        self._cut = Choice(gui, "Cut", tuple(each.capitalize() for each in DIRECTIONS), self._direction.capitalize())
-        self._cut.group.on_click(from_page(guard(self.set_direction), lambda: self._cut.group.value))
-        self._place: Any = gui.add_slider(
+        widgets = context.widgets
+        self._on = widgets.checkbox("Section", hint="Shows a slab of the scan alone. Key X.", on_change=self.set_on)
+        self._cut = widgets.choice(
+            "Cut",
+            tuple(each.capitalize() for each in DIRECTIONS),
+            self._direction.capitalize(),
+            self.set_direction,
+        )
+        self._place = widgets.slider(
             "Place [mm]",
-            -_FARTHEST_MM,
-            _FARTHEST_MM,
+            (-_FARTHEST_MM, _FARTHEST_MM),
             5.0,
             0.0,
             hint="From the middle of the stair, or of the chosen step.",
+            on_change=self._move,
         )
-        self._thickness: Any = gui.add_slider("Thickness [mm]", 2.0, 500.0, 1.0, _USUAL_THICKNESS_MM)
-        for slider in (self._place, self._thickness):
-            slider.on_update(from_page(guard(self._move)))
-        look = gui.add_button_group("Section view", (_LOOK, _ENLARGE, _SAVE))
-        look.on_click(from_page(guard(self._do), lambda: look.value))
-        self._plot = gui.add_html("")
-        results.on_selected = self._follow
+        self._thickness = widgets.slider("Thickness [mm]", (2.0, 500.0), 1.0, _USUAL_THICKNESS_MM, on_change=self._move)
+        widgets.buttons("Section view", (_LOOK, _ENLARGE, _SAVE), self._do)
+        self._plot = widgets.html()
 
     def close(self) -> None:
         """End the thread."""
@@ -86,7 +78,7 @@ class SectionTool:
             self._fit_place()
             self.show()
             if self._is_on:
-                self._look()
+                self._look_at_it()
 
     def switch(self) -> None:
         """Switch the section on or off, and its box with it."""
@@ -102,7 +94,7 @@ class SectionTool:
             self._fit_place()
             if self._is_on:
                 self.show()
-                self._look()
+                self._look_at_it()
 
     def show(self) -> None:
         """Draw the section as the controls say, or nothing."""
@@ -123,7 +115,7 @@ class SectionTool:
             slab = cut(frame, self._direction, self._place_m, self._thickness_m, shown.display.points)
             self.display = section_display(shown.scan, slab)
             self._profile = profile_of(shown.scan, shown.inspection, slab)
-            colors = self._looking.colors(shown, self.display, with_rejected=self._results.with_rejected)
+            colors = self._look.colors(shown, self.display)
             with desk.client.atomic():
                 cut_ids = [line.step.step_id for line in self._profile.lines]
                 desk.stage.show_section(self.display.points, colors, slab.corners, cut_ids)
@@ -133,7 +125,7 @@ class SectionTool:
         """Close the large drawing, and return whether it was open."""
         return self._card.close()
 
-    def _move(self) -> None:
+    def _move(self, _: float) -> None:
         """Take what the sliders say; one that says nothing possible goes back to what it said."""
         with self._desk.lock:
             for name in ("place", "thickness"):
@@ -150,12 +142,11 @@ class SectionTool:
                     self._thickness_m = value_m
         self._newest.submit(None)
 
-    def _follow(self) -> None:
-        """Cut through the step that has been chosen."""
-        with self._desk.lock:
-            if not self._is_on or self._desk.selected == self._step_id:
-                return
-            self._fit_place()
+    def follow(self) -> None:
+        """Cut through the step that has been chosen; the desk is held."""
+        if not self._is_on or self._desk.selected == self._step_id:
+            return
+        self._fit_place()
         self._newest.submit(None)
 
     def _do(self, option: str) -> None:
@@ -166,7 +157,7 @@ class SectionTool:
                 raise ConfigError("section: switch the section on first")
             name = f"{desk.result('section').stem}_section_{profile.direction}.csv"
             if option == _LOOK:
-                self._look()
+                self._look_at_it()
                 return
         if option == _SAVE:
             desk.client.send_file_download(name, profile_csv(profile), save_immediately=True)
@@ -177,7 +168,7 @@ class SectionTool:
             )
         )
 
-    def _look(self) -> None:
+    def _look_at_it(self) -> None:
         """Look square at the section."""
         desk = self._desk
         shown = desk.result("section")
@@ -188,11 +179,11 @@ class SectionTool:
             rotation @ slab.facing,
             rotation @ slab.up,
             slab.corners @ rotation.T,
-            self._looking.aspect,
+            self._look.aspect,
             ORTHO_FOV_RAD,
         )
         # In perspective the steps behind the section would not lie behind their own lines.
-        self._looking.go_to(pose, ORTHO_FOV_RAD)
+        self._look.go_to(pose, ORTHO_FOV_RAD)
 
     def _fit_place(self) -> None:
         """Let the slider reach as far as the scan does."""

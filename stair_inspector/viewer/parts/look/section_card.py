@@ -2,11 +2,9 @@
 
 from collections.abc import Callable
 
-import viser
-
 from stair_inspector.viewer.bridge.cards import Card
-from stair_inspector.viewer.bridge.notices import from_page
 from stair_inspector.viewer.bridge.styles import wide_window
+from stair_inspector.viewer.bridge.widgets import Widgets
 
 ZOOMS = (1, 2, 4, 8)
 """How much larger than the window the drawing can be."""
@@ -18,19 +16,11 @@ _WIDE = wide_window("large-section", WIDTH + 80)
 
 
 class SectionCard(Card):
-    """The window; there is one at a time.
+    """The window; there is one at a time."""
 
-    Parameters
-    ----------
-    gui : viser.GuiApi
-        Of one page.
-    guard : callable
-        Around what a button calls.
-    """
-
-    def __init__(self, gui: viser.GuiApi, guard: Callable[[Callable[..., None]], Callable[..., None]]) -> None:
-        super().__init__(gui, "Section")
-        self._guard = guard
+    def __init__(self, widgets: Widgets) -> None:
+        super().__init__(widgets.gui, "Section")
+        self._widgets = widgets
         self._zoom = 0
 
     def open(self, draw: Callable[[int, int], str]) -> None:
@@ -40,8 +30,7 @@ class SectionCard(Card):
         self.fill(lambda: self._add_plot(draw))
 
     def _add_plot(self, draw: Callable[[int, int], str]) -> None:
-        plot = self._gui.add_html("")
-        zoom = self._gui.add_button_group("Size", (_LARGER, _SMALLER), hint="The drawing can be scrolled.")
+        plot = self._widgets.html()
 
         def show(option: str = "") -> None:
             self._zoom += {_LARGER: 1, _SMALLER: -1}.get(option, 0)
@@ -52,5 +41,5 @@ class SectionCard(Card):
                 f'<div style="width:{100 * factor}%">{draw(WIDTH * factor, TALLEST * factor)}</div></div>'
             )
 
-        zoom.on_click(from_page(self._guard(show), lambda: zoom.value))
+        self._widgets.buttons("Size", (_LARGER, _SMALLER), show, hint="The drawing can be scrolled.")
         show()

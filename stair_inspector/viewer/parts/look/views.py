@@ -1,19 +1,12 @@
 """The View tool: what is shown, from where, and views that are kept."""
 
-from collections.abc import Callable
-from typing import Any
-
 import viser
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.projects import SavedView
 from stair_inspector.pictures.cameras import VIEWS, from_saved, to_saved
-from stair_inspector.viewer.bridge.choices import Choice
-from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.bridge.markup import DIM, LINE, list_key, read_order, text
-from stair_inspector.viewer.bridge.notices import from_page, orders_from_page
-from stair_inspector.viewer.parts.desk import Desk, Editor
-from stair_inspector.viewer.parts.look.look import Looking
+from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.scene.measurements import ORDERS, free_name, order_buttons
 from stair_inspector.viewer.scene.stage import MODES
 
@@ -23,61 +16,47 @@ TARGETS = ("Chosen step", "Whole stair", "Whole scan")
 class ViewTool:
     """Buttons for modes and standard views, and a list of the inspector's own views."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, looking: Looking, editor: Editor) -> None:
-        self._desk = desk
-        self._looking = looking
-        self._editor = editor
-        # Told when another mode is shown.
-        self.on_mode: Callable[[], None] = lambda: None
-        guard = desk.notices.guard
-        self._mode = Choice(
-            gui, "Show", MODES, desk.stage.mode, "Raw cloud, coloured steps, or both side by side. Keys 7 to 9."
+    def __init__(self, context: Context) -> None:
+        self._desk = context.desk
+        self._look = context.look
+        self._editor = context.editor
+        widgets = context.widgets
+        self._mode = widgets.choice(
+            "Show",
+            MODES,
+            self._desk.stage.mode,
+            self._look.choose_mode,
+            hint="Raw cloud, coloured steps, or both side by side. Keys 7 to 9.",
         )
-        self._mode.group.on_click(from_page(guard(self.set_mode), lambda: self._mode.group.value))
-        view = gui.add_button_group("Camera", VIEWS, hint="Stand back from that side of the staircase. Keys 1 to 5.")
-        view.on_click(from_page(guard(self.set_view), lambda: view.value))
-        step = gui.add_button_group("Look at", TARGETS, hint="Keys F and 1.")
-        step.on_click(from_page(guard(self.look_at), lambda: step.value))
-        self.control_uuids: tuple[str, str, str] = (self._mode.uuid, uuid_of(view), uuid_of(step))
-        """Of the groups for modes, views and targets; the toolbar over the scene writes into them."""
-        self._ortho: Any = gui.add_checkbox("Orthographic", False, hint="Parallels stay parallel. Key O.")
-        self._ortho.on_update(from_page(guard(self.set_ortho), lambda: self._ortho.value))
-        with gui.add_folder("My views", expand_by_default=False):
-            self._name: Any = gui.add_text("View name", "", hint="What the view is kept under.")
-            keep = gui.add_button("Keep this view", icon=viser.Icon.BOOKMARK)
-            keep.on_click(lambda _: guard(self.keep)())
-            self._list = gui.add_html("")
-            # Buttons of the list write here; see markup.pick_script.
-            self._order: Any = gui.add_text("View order", "", visible=False)
-            self._order.on_update(orders_from_page(guard(self.obey), lambda: self._order.value))
-
-    def set_mode(self, option: str) -> None:
-        """Show the raw cloud, the steps, or both."""
-        with self._desk.lock:
-            self._looking.set_mode(option)
-            self._mode.show(self._desk.stage.mode)
-        self.on_mode()
+        widgets.buttons("Camera", VIEWS, self.set_view, hint="Stand back from that side of the staircase. Keys 1 to 5.")
+        widgets.buttons("Look at", TARGETS, self.look_at, hint="Keys F and 1.")
+        self._ortho = widgets.checkbox("Orthographic", hint="Parallels stay parallel. Key O.", on_change=self.set_ortho)
+        with widgets.folder("My views", is_open=False):
+            self._name = widgets.text("View name", hint="What the view is kept under.")
+            widgets.button("Keep this view", self.keep, icon=viser.Icon.BOOKMARK)
+            self._list = widgets.html()
+            self._orders = widgets.orders("View order", self.obey)
 
     def set_view(self, option: str) -> None:
         """Look from a standard side."""
         with self._desk.lock:
-            self._looking.set_view(option)
+            self._look.set_view(option)
 
     def look_at_step(self) -> None:
         """Look at the chosen step."""
         with self._desk.lock:
-            self._looking.look_at_step()
+            self._look.look_at_step()
 
     def set_ortho(self, is_ortho: bool) -> None:
         """Switch the orthographic look."""
         with self._desk.lock:
-            self._looking.set_ortho(is_ortho)
+            self._look.set_ortho(is_ortho)
 
     def switch_ortho(self) -> None:
         """Switch the orthographic look on or off, and its box with it."""
         with self._desk.lock:
-            self._looking.set_ortho(not self._looking.is_ortho)
-            self._ortho.value = self._looking.is_ortho
+            self._look.set_ortho(not self._look.is_ortho)
+            self._ortho.value = self._look.is_ortho
 
     def keep(self) -> None:
         """Keep where the camera stands, under a name.
@@ -93,7 +72,7 @@ class ViewTool:
             name = " ".join(str(self._name.value).split()) or free_name("View", known)
             if name in known:
                 raise ConfigError(f"keep view: the name {name[:60]!r} is taken; give another one")
-            pose, fov_rad = self._looking.camera()
+            pose, fov_rad = self._look.camera()
             view = to_saved(name, pose, fov_rad, self._desk.stage.rotation, shown.scan.origin_m)
             self._editor.edit(f"kept view {name}", lambda work: {"views": (*work.views, view)})
             # A name that stays would be taken when the next view is kept.
@@ -110,11 +89,12 @@ class ViewTool:
                 return
             shown = self._desk.result("go to view")
             pose, fov_rad = from_saved(views[index], self._desk.stage.rotation, shown.scan.origin_m)
-            self._looking.go_to(pose, fov_rad)
+            self._look.go_to(pose, fov_rad)
 
     def show(self) -> None:
-        """List the kept views."""
-        self._list.content = views_html(self._editor.work.views, uuid_of(self._order))
+        """Say what is shown, and list the kept views."""
+        self._mode.show(self._desk.stage.mode)
+        self._list.content = views_html(self._editor.work.views, self._orders)
 
     def look_at(self, option: str) -> None:
         """Look at the chosen step, the stair or everything."""
@@ -122,9 +102,9 @@ class ViewTool:
             raise ConfigError(f"look at: got {str(option)[:40]!r}; give one of {', '.join(TARGETS)}")
         with self._desk.lock:
             if option == TARGETS[0]:
-                self._looking.look_at_step()
+                self._look.look_at_step()
             else:
-                self._looking.look("Home", is_whole=option == TARGETS[2])
+                self._look.look("Home", is_whole=option == TARGETS[2])
 
 
 def views_html(views: tuple[SavedView, ...], order_uuid: str) -> str:

@@ -1,17 +1,15 @@
 """The region of interest: a box in the scan's own axes, with handles in the scene and numbers on the page."""
 
-from typing import Any
-
 import numpy as np
+import viser
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.overrules import parse_region
-from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.markup import DIM, text
-from stair_inspector.viewer.parts.desk import Desk, Editor
-from stair_inspector.viewer.parts.scan.tab import REGION_TOOLS, ScanTab
+from stair_inspector.viewer.parts.part import Context
 
+REGION_TOOLS = ("Around the stair", "Whole scan")
 _EDGE_COLOR = (230, 60, 140)
 _AROUND_M, _ABOVE_M = 1.0, 0.5
 """Room around the stair: without floor in front of it the first riser has no foot."""
@@ -26,16 +24,29 @@ Box = tuple[Corner, Corner]
 class RegionTool:
     """The folder "Region of interest" of the Scan tab, and the box in the scene."""
 
-    def __init__(self, desk: Desk, tab: ScanTab, controls: SettingControls, editor: Editor) -> None:
-        self._desk = desk
-        self._tab = tab
-        self._controls = controls
-        self._editor = editor
-        self._nodes: list[Any] = []
-        self._handles: list[Any] = []
+    def __init__(self, context: Context) -> None:
+        self._desk = context.desk
+        self._editor = context.editor
+        self._edges: viser.LineSegmentsHandle | None = None
+        self._handles: list[viser.TransformControlsHandle] = []
         # The box that is drawn, metres in the scan's frame, and what the settings said when it was set by them.
         self._box: Box | None = None
         self._told: tuple[object, str] | None = None
+        self._desk.stage.before_clear.append(self.clear)
+        widgets = context.widgets
+        with widgets.folder("Region of interest", is_open=False):
+            self.is_shown = widgets.checkbox(
+                "Show the box",
+                hint="With handles at two corners; what lies outside is not measured.",
+                on_change=self.set_shown,
+            )
+            self.low, self.high = (
+                widgets.vector(f"{which} corner [m]", (at, at, at), step=0.01, on_change=self.read_numbers)
+                for which, at in (("Low", 0.0), ("High", 1.0))
+            )
+            widgets.buttons("Set it", REGION_TOOLS, self.use_tool)
+            widgets.button("Measure in the box", self.apply, icon=viser.Icon.BOX)
+            self.told = widgets.html()
 
     def set_shown(self, is_shown: bool) -> None:
         """Show the box with its handles, or hide it."""
@@ -59,10 +70,10 @@ class RegionTool:
             corners = np.concatenate([step.corners for step in shown.inspection.steps]) + origin
             upright = np.abs(shown.inspection.up.vector)
             self._set_box(_box_of(corners, _AROUND_M + (_ABOVE_M - _AROUND_M) * upright))
-            self._tab.region_shown.value = True
+            self.is_shown.value = True
             self.apply()
 
-    def read_numbers(self) -> None:
+    def read_numbers(self, _: object = None) -> None:
         """Draw the box that the numbers say."""
         with self._desk.lock:
             self._box = _rounded(self._corners())
@@ -93,16 +104,18 @@ class RegionTool:
 
     def clear(self) -> None:
         """Remove the box; called before the scene that it stands in is made anew."""
-        for node in (*self._nodes, *self._handles):
-            node.remove()
-        self._nodes, self._handles = [], []
+        if self._edges is not None:
+            self._edges.remove()
+        for handle in self._handles:
+            handle.remove()
+        self._edges, self._handles = None, []
 
     def draw(self) -> None:
         """Draw the box and its handles, or nothing, and say whether it counts."""
         self.clear()
         shown = self._desk.shown
-        self._tab.region_told.content = self._words()
-        if shown is None or self._box is None or not self._tab.region_shown.value:
+        self.told.content = self._words()
+        if shown is None or self._box is None or not self.is_shown.value:
             return
         low, high = (np.array(corner) - shown.scan.origin_m for corner in self._box)
         self._draw_edges(low, high)
@@ -114,7 +127,7 @@ class RegionTool:
             handle.on_update(self._desk.notices.guard(self._on_drag))
             self._handles.append(handle)
 
-    def _on_drag(self, event: Any) -> None:
+    def _on_drag(self, event: viser.TransformControlsEvent) -> None:
         with self._desk.lock:
             shown = self._desk.shown
             if shown is None or len(self._handles) != 2:
@@ -123,7 +136,7 @@ class RegionTool:
             low, high = places.min(axis=0), places.max(axis=0)
             box = self._set_box(_box_of(np.array([low, np.maximum(high, low + _LEAST_M)]), 0.0))
             self._draw_edges(*(np.array(corner) - shown.scan.origin_m for corner in box))
-            if getattr(event, "phase", "end") == "end":
+            if event.phase == "end":
                 self.apply()
 
     def _draw_edges(self, low: Floats, high: Floats) -> None:
@@ -131,20 +144,18 @@ class RegionTool:
             [[(low, high)[k >> 2 & 1][0], (low, high)[k >> 1 & 1][1], (low, high)[k & 1][2]] for k in range(8)]
         )
         lines = np.array([[box[a], box[b]] for a, b in _EDGES], dtype=np.float32)
-        self._nodes = [
-            self._desk.client.scene.add_line_segments(
-                "/stair/region/edges",
-                lines,
-                np.tile(np.array(_EDGE_COLOR, dtype=np.uint8), (len(lines), 2, 1)),
-                thickness=2.0,
-                thickness_units="screen",
-            )
-        ]
+        self._edges = self._desk.client.scene.add_line_segments(
+            "/stair/region/edges",
+            lines,
+            np.tile(np.array(_EDGE_COLOR, dtype=np.uint8), (len(lines), 2, 1)),
+            thickness=2.0,
+            thickness_units="screen",
+        )
 
     def _set_box(self, box: Box) -> Box:
         """Take a box, to the millimetre, and write its numbers."""
         self._box = _rounded(box)
-        self._tab.show_region(self._box)
+        self.low.value, self.high.value = self._box
         return self._box
 
     def _words(self) -> str:
@@ -157,7 +168,7 @@ class RegionTool:
         )
 
     def _corners(self) -> Box:
-        values = [*self._tab.region_low.value, *self._tab.region_high.value]
+        values = [*self.low.value, *self.high.value]
         try:
             box = parse_region(",".join(repr(float(value)) for value in values))
         except (TypeError, ValueError) as error:

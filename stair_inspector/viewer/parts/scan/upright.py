@@ -1,31 +1,37 @@
 """Correcting the up direction: from three points of a level floor, or from the treads that were found."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection
 from stair_inspector.viewer.bridge.markup import DIM, text
-from stair_inspector.viewer.parts.desk import Desk, Editor
-from stair_inspector.viewer.parts.scan.tab import UP_TOOLS
+from stair_inspector.viewer.parts import html
+from stair_inspector.viewer.parts.part import Context
 
+UP_TOOLS = ("Pick 3 floor points", "Take the treads")
 _SMALLEST_SINE = 0.05
 """Three points that lie more nearly on a line than this say nothing about the direction across it."""
 _SHORTEST_M = 0.05
 
 
 class UprightTool:
-    """The buttons under "Correct up"; picking is lent by the measure tool."""
+    """The buttons under "Correct up", which take points that are picked in the scene; and the up that is in use."""
 
-    def __init__(self, desk: Desk, editor: Editor, say: Callable[[str], None]) -> None:
-        self._desk = desk
-        self._editor = editor
-        self._say_html = say
+    def __init__(self, context: Context) -> None:
+        self._desk = context.desk
+        self._editor = context.editor
         self._points: list[Floats] = []
         self._frame: tuple[str, str] | None = None
-        self.borrow: Callable[[Callable[[tuple[float, float, float]], None] | None], None] = lambda taker: None
+        widgets = context.widgets
+        widgets.buttons(
+            "Correct up",
+            UP_TOOLS,
+            self.start,
+            hint="Shift-click three points of a level floor in the scene; or let the treads that were found say it.",
+        )
+        self.hint = widgets.html()
+        self.used = widgets.html()
 
     def start(self, option: str) -> None:
         """Begin to pick three points, or take the treads."""
@@ -39,17 +45,19 @@ class UprightTool:
                 self._apply(up_of_treads(shown.inspection), "up from the treads")
                 return
             self._frame = self._desk.frame
-            self.borrow(self._take)
+            self._desk.point_taker = self._take
             self._say("Shift-click three points of a level floor, far apart: 0 of 3.")
 
     def stop(self) -> None:
         """Give up picking."""
         self._points, self._frame = [], self._desk.frame
-        self.borrow(None)
+        self._desk.point_taker = None
         self._say("")
 
     def show(self) -> None:
-        """Give up picking that was begun on another scan."""
+        """Show the up in use; picking that was begun on another scan is given up."""
+        inspection = self._desk.inspection
+        self.used.content = html.up_html(inspection.up) if inspection is not None else ""
         if self._frame != self._desk.frame:
             self.stop()
 
@@ -59,7 +67,7 @@ class UprightTool:
             self._say(f"Shift-click three points of a level floor, far apart: {len(self._points)} of 3.")
             return
         points, self._points = np.array(self._points), []
-        self.borrow(None)
+        self._desk.point_taker = None
         self._say("")
         self._apply(up_of_points(points, self._desk.result("correct up").inspection.up.vector), "up from three points")
 
@@ -72,11 +80,8 @@ class UprightTool:
         )
 
     def _say(self, words: str) -> None:
-        self._say_html(
-            f'<div data-testid="up-hint" style="font-size:12px;color:{DIM};padding:2px 9px 4px">{text(words)}</div>'
-            if words
-            else ""
-        )
+        said = f'<div data-testid="up-hint" style="font-size:12px;color:{DIM};padding:2px 9px 4px">{text(words)}</div>'
+        self.hint.content = said if words else ""
 
 
 def up_of_points(points: Floats, roughly: Floats) -> Floats:

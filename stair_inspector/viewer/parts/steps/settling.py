@@ -1,27 +1,22 @@
 """Which values hang on the settings: found out while nobody does anything, and marked on the page."""
 
-from collections.abc import Callable
-
 from stair_inspector.memo import Memo
 from stair_inspector.stability import mark_unsettled
-from stair_inspector.viewer.compute.worker import Cancelled, Newest, Settle, Workshop
-from stair_inspector.viewer.parts.desk import Desk
+from stair_inspector.viewer.compute.worker import Cancelled, Newest, Settle
+from stair_inspector.viewer.parts.part import Context
+from stair_inspector.viewer.state.change import PageChange
 
 QUIET_S = 1.5
 """A result that has stood for so long is looked into."""
 
 
 class Settling:
-    """Tries the notches beside the settings of a result that stands, and gives it up as soon as another is wanted.
+    """Tries the notches beside the settings of a result that stands, and gives it up as soon as another is wanted."""
 
-    ``is_busy`` says whether a result is being computed; ``show`` shows the marks, the desk is held.
-    """
-
-    def __init__(self, desk: Desk, workshop: Workshop, is_busy: Callable[[], bool], show: Callable[[], None]) -> None:
-        self._desk = desk
-        self._workshop = workshop
-        self._is_busy = is_busy
-        self._show = show
+    def __init__(self, context: Context) -> None:
+        self._desk = desk = context.desk
+        self._workshop = context.workshop
+        self._is_busy = context.runs.is_busy
         name = f"stair-settling-{desk.client.client_id}"
         self._runs: Newest[None] = Newest(lambda _: desk.notices.guard(self.look)(), name=name)
         self._settle = Settle(lambda: self._runs.submit(None), QUIET_S, f"{name}-wait")
@@ -32,8 +27,7 @@ class Settling:
         self._runs.close()
 
     def renew(self) -> None:
-        """Forget the marks of the last result, and look into the present one when it has stood for a while."""
-        self._desk.unsettled = ()
+        """Look into the present result when it has stood for a while."""
         self._settle.touch()
 
     def look(self) -> None:
@@ -64,5 +58,4 @@ class Settling:
         with desk.lock:
             if notes and is_wanted():
                 desk.unsettled = notes
-                with desk.client.atomic():
-                    self._show()
+                desk.changed(PageChange.SETTLED)

@@ -2,59 +2,66 @@
 
 import dataclasses
 
+import viser
+
 from stair_inspector.errors import ConfigError
+from stair_inspector.model import Inspection
 from stair_inspector.overrules import OverrulesParams
+from stair_inspector.pictures.frames import step_of
 from stair_inspector.viewer.bridge.controls import VERDICTS
-from stair_inspector.viewer.bridge.markup import read_order
-from stair_inspector.viewer.parts.desk import Desk, Editor
-from stair_inspector.viewer.parts.panel import Panel
-from stair_inspector.viewer.parts.steps.examination_html import CURE, offered_cures
-from stair_inspector.viewer.parts.steps.results import Results
-from stair_inspector.viewer.parts.steps.tab import TAKE_BACK
-from stair_inspector.viewer.state.work import Keeper
+from stair_inspector.viewer.parts.part import Context
+
+TAKE_BACK = "as found"
+"""The verdict that takes an overrule back."""
 
 
-class Deciding:
-    """The form "Overrules" of the Steps tab, and the answers to what was asked about the scan."""
+class Verdicts:
+    """The form "Overrules" of the Steps tab: for the chosen step or surface by a button, for all others as text."""
 
-    def __init__(self, desk: Desk, panel: Panel, results: Results, keeper: Keeper, editor: Editor) -> None:
-        self._desk = desk
-        self._panel = panel
-        self._results = results
-        self._keeper = keeper
-        self._editor = editor
+    def __init__(self, context: Context) -> None:
+        self._desk = context.desk
+        self._keeper = context.keeper
+        self._editor = context.editor
+        widgets, controls = context.widgets, context.editor.controls
+        form = widgets.form("Overrules", self.submit_texts)
+        with form:
+            self.reason = widgets.text("Reason", hint="Why, in one line; it is kept with the verdict.")
+            widgets.buttons(
+                "Mark as",
+                (*VERDICTS, TAKE_BACK),
+                self.mark,
+                hint="What the chosen step or rejected surface is, whatever the program says. Undo takes it back.",
+            )
+            for name in ("overrules.force", "overrules.climb"):
+                # Enter submits; until then the text may be half a word.
+                controls.add_text(name)
+            widgets.button("Apply overrules", form.submit, icon=viser.Icon.CHECK, hint="So does Enter in a field.")
+            widgets.button("Clear overrules", self.clear, icon=viser.Icon.ERASER, is_quiet=True)
 
     def mark(self, option: str) -> None:
         """Decide what the chosen step or surface is, with the reason that is written; or take that back."""
         kind = next((kind for kind in VERDICTS if kind == option), None)
         if kind is None and option != TAKE_BACK:
             raise ConfigError(f"mark as: got {str(option)[:40]!r}; give one of {', '.join((*VERDICTS, TAKE_BACK))}")
-        reason, controls = self._panel.steps.reason, self._panel.controls
+        desk, controls = self._desk, self._editor.controls
         # The desk is kept all the while: the place belongs to the scan that is shown.
-        with self._desk.lock:
-            place_m = self._results.chosen_place()
+        with desk.lock:
+            place_m = place_of(desk.inspection, desk.selected, desk.selected_patch)
             with self._keeper.lock:
                 before = self._editor.work.params.overrules.force
-                controls.overrule(place_m, kind, str(reason.value))
+                controls.overrule(place_m, kind, str(self.reason.value))
                 if kind is None and controls.read().overrules.force == before:
                     raise ConfigError(
                         "mark as: there is no verdict at this very place; undo it, or edit the text below"
                     )
             # Its number may be another one's when the result is there.
-            self._desk.selected = self._desk.selected_patch = None
-            reason.value = ""
+            desk.selected = desk.selected_patch = None
+            self.reason.value = ""
             self._editor.submit()
-
-    def take_cure(self, message: str) -> None:
-        """Take the settings that a button of the examination offers: they answer a question, or mend a doubt."""
-        with self._desk.lock:
-            offered = offered_cures(self._desk.inspection)
-            cure = offered[read_order(message, (CURE,)).index_in(offered, "examination")]
-        self._editor.adjust(cure.applied, cure.words)
 
     def submit_texts(self) -> None:
         """Let the overrules that are written count."""
-        self._panel.controls.submit_texts()
+        self._editor.controls.submit_texts()
         self._editor.submit()
 
     def clear(self) -> None:
@@ -62,3 +69,33 @@ class Deciding:
         self._editor.adjust(
             lambda params: dataclasses.replace(params, overrules=OverrulesParams()), "cleared overrules"
         )
+
+
+def place_of(inspection: Inspection | None, step_id: int | None, patch_id: int | None) -> tuple[float, float, float]:
+    """Return the centroid of the patch of a step or surface, metres in the scan frame.
+
+    Raises
+    ------
+    ConfigError
+        Neither is given or is there, or the paper's method was used, which takes no decisions.
+    """
+    step = step_of(inspection, step_id)
+    if inspection is None or (step is None and patch_id is None):
+        raise ConfigError("mark as: choose a step or a rejected surface first")
+    if inspection.params.method == "paper":
+        raise ConfigError("mark as: the paper's method takes no decisions; set the method to survey")
+    own = [
+        patch
+        for patch in inspection.patches
+        if patch.patch_id == patch_id or (step is not None and patch.step_id == step.step_id)
+    ]
+    plane = max(own, key=lambda patch: patch.area_m2).plane if own else None
+    if plane is None and step is not None:
+        plane = step.plane
+    if plane is None:
+        raise ConfigError("mark as: the chosen surface is no longer there")
+    x, y, z = (
+        float(coordinate) + float(origin)
+        for coordinate, origin in zip(plane.centroid, inspection.scan.origin_m, strict=True)
+    )
+    return (x, y, z)

@@ -1,14 +1,14 @@
 """The paper's edges in the scene while the sliders are moved that place them, and that change nothing else."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection
 from stair_inspector.pictures.segmentation import lift_of
+from stair_inspector.viewer.bridge.controls import words_of_change
 from stair_inspector.viewer.compute.worker import Settle
-from stair_inspector.viewer.parts.desk import Desk
+from stair_inspector.viewer.parts.part import Context
+from stair_inspector.viewer.state.change import PageChange
 
 PAPER_ONLY = frozenset({"edges.front_percentile", "edges.back_percentile", "edges.side_percentile"})
 """Settings that act on the paper's columns alone where the survey is made."""
@@ -40,20 +40,25 @@ class PaperEdges:
     Another control that is touched puts them away at once.
     """
 
-    def __init__(self, desk: Desk, show_legend: Callable[[], None]) -> None:
-        self._desk = desk
-        self._show_legend = show_legend
-        # Wanted from the move of a slider, drawn from the result of it.
-        self._is_wanted = self.is_drawn = False
+    def __init__(self, context: Context) -> None:
+        self._desk = desk = context.desk
+        self._editor = context.editor
+        self._params = context.editor.work.params
+        # From the move of a slider; drawn from the result of it.
+        self._is_wanted = False
         self._settle = Settle(desk.notices.guard(self.put_away), LINGER_S, f"stair-paper-{desk.client.client_id}")
 
     def close(self) -> None:
         """End the thread."""
         self._settle.close()
 
-    def changed(self, names: str) -> None:
-        """Know which settings a person has changed, as their names separated by commas; empty for none."""
-        if names and set(names.split(", ")) <= PAPER_ONLY:
+    def follow(self, *, is_slider: bool) -> None:
+        """Look which settings have changed, by a control that was moved or by something else."""
+        before, self._params = self._params, self._editor.work.params
+        names = words_of_change(before, self._params)[1]
+        if not is_slider:
+            self.put_away()
+        elif names and set(names.split(", ")) <= PAPER_ONLY:
             self._is_wanted = True
             self._settle.touch()
         elif names:
@@ -65,14 +70,14 @@ class PaperEdges:
         lines = _NOTHING
         if self._is_wanted and shown is not None:
             lines = paper_edges_of(shown.inspection, shown.display.spacing_m)
-        self.is_drawn = len(lines) > 0
         self._desk.stage.show_paper_edges(lines)
+        if self._desk.with_paper != (len(lines) > 0):
+            self._desk.with_paper = len(lines) > 0
+            self._desk.changed(PageChange.LEGEND)
 
     def put_away(self) -> None:
         """Take the edges away."""
         with self._desk.lock:
             self._is_wanted = False
-            if self.is_drawn and not self._desk.is_closed:
-                with self._desk.client.atomic():
-                    self.draw()
-                    self._show_legend()
+            if self._desk.with_paper and not self._desk.is_closed:
+                self.draw()

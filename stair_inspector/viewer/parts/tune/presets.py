@@ -1,7 +1,8 @@
 """Presets and suggestions: how an inspector comes to settings."""
 
 import dataclasses
-from typing import Any
+
+import viser
 
 from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.settings import Preset, list_presets, parse_preset, preset_bytes
@@ -11,28 +12,73 @@ from stair_inspector.pictures.picture import safe_name
 from stair_inspector.stages.suggest import Suggestion, suggest_settings
 from stair_inspector.viewer.bridge.controls import value_words
 from stair_inspector.viewer.bridge.markup import DIM, text
-from stair_inspector.viewer.compute.jobs import Making
-from stair_inspector.viewer.parts.desk import Desk, Editor
-from stair_inspector.viewer.parts.panel import Panel
-from stair_inspector.viewer.parts.tune.tab import OWN_PRESET
+from stair_inspector.viewer.bridge.widgets import File, offer
+from stair_inspector.viewer.parts.part import Context
 
+OWN_PRESET = "(changed)"
+"""What the preset menu says when the settings are those of no preset."""
 STARTED_WITH = "as started"
 """In the preset menu, the settings that the server was started with, where they are those of no preset."""
 _MOST_PRESETS = 20
 _LARGEST_PRESET_BYTES = 200_000
 
 
-class Tuning:
-    """The Tune tab's presets and suggestions."""
+class Presets:
+    """The Tune tab's presets and suggestions: the menu, and the folders that :meth:`add_suggestion` and others add."""
 
-    def __init__(self, desk: Desk, panel: Panel, editor: Editor, started: Params, making: Making) -> None:
-        self._making = making
-        self._desk = desk
-        self._panel = panel
-        self._editor = editor
-        self._presets = known_presets(started)
+    def __init__(self, context: Context) -> None:
+        self._widgets = context.widgets
+        self._making = context.making
+        self._desk = context.desk
+        self._editor = context.editor
+        self._presets = known_presets(context.editor.started)
         self._suggestion: Suggestion | None = None
         self._heights: HeightOrder | None = None
+        self.menu = context.widgets.dropdown(
+            "Preset",
+            tuple(self._presets),
+            hint="Settings for a kind of scanner. Overrules stay.",
+            on_change=self.take_preset,
+        )
+
+    def add_suggestion(self) -> None:
+        """Add the folder in which settings are proposed."""
+        with self._widgets.folder("Suggest settings", is_open=False):
+            self._widgets.button(
+                "Suggest from the scan",
+                self.suggest,
+                icon=viser.Icon.BULB,
+                hint="Proposes θ_th, ε_z and m from the scan's spacing, noise and height gaps, and says why.",
+            )
+            self.suggestion = self._widgets.html()
+            self._take = self._widgets.button(
+                "Use these settings", self.take_suggestion, icon=viser.Icon.CHECK, is_visible=False
+            )
+
+    def add_files(self) -> None:
+        """Add the folder in which presets are saved and loaded."""
+        with self._widgets.folder("Preset files", is_open=False):
+            self._title = self._widgets.text("Preset name", "my settings", hint="Title of the preset to be saved.")
+            self._widgets.button(
+                "Save preset",
+                self.save_preset,
+                icon=viser.Icon.DEVICE_FLOPPY,
+                hint="A TOML file, without overrules.",
+            )
+            self.load = self._widgets.upload(
+                "Load preset",
+                ".toml",
+                self.load_preset,
+                icon=viser.Icon.FOLDER_OPEN,
+                hint="A TOML file of settings.",
+            )
+            self._widgets.button(
+                "Reset to preset",
+                self._editor.reset,
+                icon=viser.Icon.RESTORE,
+                is_quiet=True,
+                hint="What the server was started with.",
+            )
 
     # Presets.
 
@@ -40,19 +86,19 @@ class Tuning:
         """Take the settings of a preset; overrules, region, unit and up stay: they belong to the scan."""
         preset = self._presets.get(title)
         if preset is None:
-            if title == self._panel.tune.preset.value and title not in self._presets:
+            if title == self.menu.value and title not in self._presets:
                 return
             raise ConfigError(f"preset: got {str(title)[:40]!r}; choose one of the menu")
         self._editor.adjust(lambda params: _of_scan(params, preset), f"preset {title}")
 
     def save_preset(self) -> None:
         """Download the present settings as a preset file, without what belongs to this scan alone."""
-        title = str(self._panel.tune.preset_title.value).strip()[:100] or "my settings"
+        title = str(self._title.value).strip()[:100] or "my settings"
         params = dataclasses.replace(self._editor.work.params, overrules=Params().overrules)
         data = preset_bytes(params, title, "Saved by stair_inspector.")
         self._desk.client.send_file_download(f"{safe_name(title)}.toml", data, save_immediately=True)
 
-    def load_preset(self, file: Any) -> None:
+    def load_preset(self, file: File) -> None:
         """Take the settings of an uploaded preset file, and keep it in the menu of this page."""
         if len(file.content) > _LARGEST_PRESET_BYTES:
             raise ConfigError(f"{file.name[:60]}: is too large for a preset; give a TOML file of settings")
@@ -69,16 +115,22 @@ class Tuning:
         """Show which preset's settings are set."""
         params = self._editor.work.params
         chosen = next((title for title, preset in self._presets.items() if _of_scan(params, preset) == params), None)
-        self._panel.tune.offer_presets(tuple(self._presets), chosen)
+        offer(self.menu, tuple(self._presets) if chosen is not None else (*self._presets, OWN_PRESET))
+        self.menu.value = OWN_PRESET if chosen is None else chosen
 
     # Suggestions.
 
-    def know_heights(self, heights: HeightOrder) -> None:
+    def _show(self, content: str, *, is_there: bool) -> None:
+        self.suggestion.content = content
+        self._take.visible = is_there
+
+    def know_heights(self) -> None:
         """Take what the last run prepared: suggestions are made from it."""
+        heights = self._desk.heights
         if heights is not self._heights:
             self._heights = heights
             self._suggestion = None
-            self._panel.tune.show_suggestion("", is_there=False)
+            self._show("", is_there=False)
 
     def suggest(self) -> None:
         """Propose settings and say why."""
@@ -86,15 +138,14 @@ class Tuning:
         heights = self._heights
         if heights is None:
             raise ConfigError("suggest settings: the scan is not prepared yet; wait for the first result")
-        panel = self._panel.tune
         try:
             self._suggestion = self._making.make(
                 "the suggestion", lambda _: suggest_settings(heights, self._editor.work.params)
             )
         except StairError as error:
-            panel.show_suggestion(_suggestion_html(None, str(error)), is_there=False)
+            self._show(_suggestion_html(None, str(error)), is_there=False)
         else:
-            panel.show_suggestion(_suggestion_html(self._suggestion, ""), is_there=True)
+            self._show(_suggestion_html(self._suggestion, ""), is_there=True)
 
     def take_suggestion(self) -> None:
         """Use what was proposed."""

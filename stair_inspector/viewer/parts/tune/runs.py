@@ -5,8 +5,9 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from typing import Any
+from typing import TypeVar
+
+import viser
 
 from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.projects import KeptRun
@@ -15,14 +16,20 @@ from stair_inspector.model import Inspection
 from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.markup import DIM, text
+from stair_inspector.viewer.bridge.widgets import Widgets, offer
 from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES, Sweep, sweep
-from stair_inspector.viewer.compute.worker import Cancelled, Newest, Workshop
-from stair_inspector.viewer.parts.desk import Desk, Editor, Shown
-from stair_inspector.viewer.parts.panel import Panel
+from stair_inspector.viewer.compute.worker import Cancelled, Newest
+from stair_inspector.viewer.parts.desk import Shown
+from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.parts.tune.comparison import compare, comparison_html
 from stair_inspector.viewer.parts.tune.run_history import MOST_RUNS, RunHistory
 from stair_inspector.viewer.parts.tune.sensitivity_html import sweep_html
-from stair_inspector.viewer.parts.tune.tab import AS_SHOWN, NO_RUN
+
+NO_RUN = "none"
+AS_SHOWN = "what is shown"
+"""What menus say for no result, and for the one that the page shows."""
+_USE, _FORGET = "Use its settings", "Forget it"
+T = TypeVar("T")
 
 _MOST_MADE = 3
 """Results kept beside the one that is shown: each holds some numbers for every point of the scan."""
@@ -43,25 +50,16 @@ class _Choice:
         return ("", self.number) if self.number is not None else (self.title, 0)
 
 
-class Comparing:
-    """The folders "Compare A / B" and "Sensitivity" of the Tune tab.
+class RunComparison:
+    """The folders "Compare A / B" and "Sensitivity" of the Tune tab."""
 
-    Parameters
-    ----------
-    desk, panel, editor
-        Of the page.
-    workshop : Workshop
-        Reads scans and computes.
-    path : callable
-        Returns the file of the present scan.
-    """
-
-    def __init__(self, desk: Desk, panel: Panel, editor: Editor, workshop: Workshop, path: Callable[[], Path]) -> None:
-        self._desk = desk
-        self._tab = panel.tune
-        self._editor = editor
-        self._workshop = workshop
-        self._path = path
+    def __init__(self, context: Context) -> None:
+        self._desk = desk = context.desk
+        self._editor = context.editor
+        self._keeper = context.keeper
+        self._workshop = context.workshop
+        self._add_comparison(context.widgets)
+        self._add_sweep(context.widgets)
         self._history = RunHistory()
         # Results, and sentences why there is none, by scan and settings.
         self._made: list[tuple[str, Params, Inspection]] = []
@@ -76,6 +74,54 @@ class Comparing:
         self._runs: Newest[Callable[[], None]] = Newest(self._run, name=f"stair-compare-{client_id}")
         # A thread of its own: a sweep takes a minute, and must not be dropped for a comparison.
         self._sweeps: Newest[Callable[[], None]] = Newest(self._run, name=f"stair-sweep-{client_id}")
+
+    def _add_comparison(self, widgets: Widgets) -> None:
+        with widgets.folder("Compare A / B", is_open=False):
+            self.run_name = widgets.text("Name", "run 1", hint="What these settings are kept under.")
+            widgets.button(
+                "Keep this result",
+                lambda: self.keep(self.run_name.value),
+                icon=viser.Icon.PIN,
+                hint="To compare others with it.",
+            )
+            self.menu_a = widgets.dropdown(
+                "Result A",
+                (NO_RUN,),
+                hint="A kept run, or one of the last results by what was changed for it.",
+                on_change=self.compare_with,
+            )
+            self.menu_b = widgets.dropdown(
+                "Result B",
+                (AS_SHOWN,),
+                hint="Its numbers beside those of A, and the differences, step by step.",
+                is_visible=False,
+                on_change=self.compare_to,
+            )
+            self._tools = widgets.buttons(
+                "With A",
+                (_USE, _FORGET),
+                lambda option: self.forget() if option == _FORGET else self.take_settings(),
+                is_visible=False,
+                hint="Of a kept run, both can be undone.",
+            )
+            self.comparison = widgets.html()
+
+    def _add_sweep(self, widgets: Widgets) -> None:
+        with widgets.folder("Sensitivity", is_open=False):
+            self.sweep_setting = widgets.dropdown("Setting", tuple(sweep_titles().values()))
+            self.sweep_quantity = widgets.dropdown(
+                "Quantity", tuple(SWEPT_QUANTITIES.values()), on_change=lambda _: self.show_sweep()
+            )
+            self.start = widgets.button(
+                "Sweep over its range",
+                self.sweep,
+                icon=viser.Icon.CHART_LINE,
+                hint="Measures at values over the whole range: a good setting lies on a plateau.",
+            )
+            self.stop = widgets.button(
+                "Stop the sweep", self.stop_sweep, icon=viser.Icon.PLAYER_STOP, is_quiet=True, is_visible=False
+            )
+            self.swept = widgets.html()
 
     def close(self) -> None:
         """End the threads."""
@@ -101,7 +147,7 @@ class Comparing:
             f"kept run {run.name}",
             lambda work: {"runs": (*(each for each in work.runs if each.name != run.name), run)},
         )
-        self._tab.run_name.value = _next_name([each.name for each in self._editor.work.runs])
+        self.run_name.value = _next_name([each.name for each in self._editor.work.runs])
 
     def compare_with(self, title: str) -> None:
         """Choose result A, or none."""
@@ -130,7 +176,7 @@ class Comparing:
             f"forgot run {choice.title}",
             lambda work: {"runs": tuple(each for each in work.runs if each.name != choice.title)},
         )
-        self._tab.run_name.value = _next_name([each.name for each in self._editor.work.runs])
+        self.run_name.value = _next_name([each.name for each in self._editor.work.runs])
 
     def show(self) -> None:
         """List the results, and show the differences between the chosen ones; the sweep too, in the present unit."""
@@ -143,11 +189,11 @@ class Comparing:
             self._a, self._b = (key if key in choices else None for key in (self._a, self._b))
             a, b = (choices.get(key) if key is not None else None for key in (self._a, self._b))
             titles = tuple(choice.title for choice in choices.values())
-            self._tab.offer_runs(titles, a.title if a is not None else NO_RUN, b.title if b is not None else AS_SHOWN)
+            self._offer(titles, a.title if a is not None else NO_RUN, b.title if b is not None else AS_SHOWN)
             if a is None or shown is None:
-                self._tab.comparison.content = ""
+                self.comparison.content = ""
                 return
-            self._tab.comparison.content = self._comparison(shown, a, b)
+            self.comparison.content = self._comparison(shown, a, b)
 
     def _comparison(self, shown: Shown, a: _Choice, b: _Choice | None) -> str:
         """Return the differences, or why there are none yet; what is missing is asked for."""
@@ -166,6 +212,17 @@ class Comparing:
         except StairError as error:
             return _said(str(error))
         return comparison_html(comparison, a.title, "what is shown" if b is None else b.title, self._desk.unit)
+
+    def _offer(self, titles: tuple[str, ...], a: str, b: str) -> None:
+        """List the results that can be compared, and show the chosen ones."""
+        for menu, nothing, chosen in ((self.menu_a, NO_RUN, a), (self.menu_b, AS_SHOWN, b)):
+            offer(menu, (nothing, *titles))
+            menu.value = chosen
+        self._tools.visible = self.menu_b.visible = a != NO_RUN
+
+    def _show_sweeping(self, is_sweeping: bool) -> None:
+        """Offer to stop the sweep while it runs, and to start one otherwise."""
+        self.start.visible, self.stop.visible = not is_sweeping, is_sweeping
 
     def _find(self, shown: Shown, params: Params) -> Inspection | str | None:
         """Return the result of settings on the present scan, why there is none, or None where it is not known yet."""
@@ -192,7 +249,7 @@ class Comparing:
             scan = shown.scan
             if params.unit != shown.inspection.params.unit:
                 # The same numbers of the file are other metres.
-                scan = self._workshop.read(self._path(), params.unit, self._is_wanted(stop))
+                scan = self._workshop.read(self._keeper.scan, params.unit, self._is_wanted(stop))
             if scan.sha256 != sha256:
                 raise ConfigError(f"{shown.label} has changed since; press Run again")
             outcome = inspect(scan, params, self._memo(stop))
@@ -254,13 +311,13 @@ class Comparing:
     def sweep(self) -> None:
         """Measure at values over the whole range of the chosen setting."""
         shown = self._desk.result("sweep")
-        name = next((key for key, title in sweep_titles().items() if title == self._tab.sweep_setting.value), None)
+        name = next((key for key, title in sweep_titles().items() if title == self.sweep_setting.value), None)
         if name is None:
             raise ConfigError("sweep: choose a setting of the menu")
         with self._desk.lock:
             self._stop_sweep.set()
             self._stop_sweep = stop = threading.Event()
-            self._tab.show_sweeping(True)
+            self._show_sweeping(True)
         self._sweeps.submit(lambda: self._measure_sweep(shown, name, stop))
 
     def stop_sweep(self) -> None:
@@ -284,14 +341,14 @@ class Comparing:
         if swept != sha256:
             self._stop_sweep.set()
             self._sweep = None
-            self._tab.sweep.content = ""
+            self.swept.content = ""
             return
         quantity = self._quantity()
         if quantity is not None:
-            self._tab.sweep.content = sweep_html(found, quantity, self._desk.unit)
+            self.swept.content = sweep_html(found, quantity, self._desk.unit)
 
     def _quantity(self) -> str | None:
-        chosen = self._tab.sweep_quantity.value
+        chosen = self.sweep_quantity.value
         return next((key for key, title in SWEPT_QUANTITIES.items() if title == chosen), None)
 
     def _measure_sweep(self, shown: Shown, name: str, stop: threading.Event) -> None:
@@ -312,7 +369,7 @@ class Comparing:
         finally:
             with self._desk.lock:
                 if self._stop_sweep is stop and not self._desk.is_closed:
-                    self._tab.show_sweeping(False)
+                    self._show_sweeping(False)
 
     # The threads.
 
@@ -323,8 +380,9 @@ class Comparing:
     def _memo(self, stop: threading.Event) -> Memo:
         is_wanted = self._is_wanted(stop)
 
-        def heavy(function: Callable[..., Any], *inputs: object) -> Any:
-            return self._workshop.heavy(function, *inputs, is_wanted=is_wanted)
+        def heavy(function: Callable[..., T], *inputs: object) -> T:
+            made: T = self._workshop.heavy(function, *inputs, is_wanted=is_wanted)
+            return made
 
         def on_stage(_: str) -> None:
             if not is_wanted():

@@ -10,10 +10,12 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.chosen_rules import ChosenRules, RuleFile, rule_set_of
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.rule_sets import find_rule_set
-from stair_inspector.viewer.parts.checks import check as checking_module
-from stair_inspector.viewer.parts.checks.tab import CHANGE, NO_OVERLAY, NO_RULES, SIDES
+from stair_inspector.viewer.parts.checks import part as checks_module
+from stair_inspector.viewer.parts.checks.limits import CHANGE, SIDES
+from stair_inspector.viewer.parts.checks.rule_menus import NO_OVERLAY, NO_RULES
 from stair_inspector.viewer.scene.step_marks import marks_of
-from tests.viewer.parts.steps.test_html import Page
+from tests.viewer.parts.test_html import Page
+from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
 
 IBC, IRC, NFPA = "us-ibc-2024", "us-irc-2024", "us-nfpa-101-uniformity"
@@ -24,12 +26,12 @@ OWN_OVERLAY = (static_configs() / "codes" / f"{NFPA}.toml").read_text("utf-8").r
 
 @pytest.fixture
 def tab(session):
-    return session.panel.checks
+    return part_of(session, "checks")
 
 
 @pytest.fixture
 def checking(session):
-    return session.checking
+    return part_of(session, "checks")
 
 
 def words_of(html):
@@ -38,35 +40,35 @@ def words_of(html):
 
 def label_of(session, set_id):
     """The label of the menu that stands for a set or an overlay."""
-    tab = session.panel.checks
+    tab = part_of(session, "checks")
     short = set_id if set_id.startswith("my-") else set_id.partition("-")[2]
     (label,) = [each for each in (*tab.rules.options, *tab.overlay.options) if f" · {short} · " in each]
     return label
 
 
 def choose(session, set_id):
-    session.checking.choose(label_of(session, set_id) if set_id else NO_RULES)
+    part_of(session, "checks").choose(label_of(session, set_id) if set_id else NO_RULES)
 
 
 def pick_rule(session, rule_id):
     """Choose a rule of the menu of limits, as a person does."""
-    tab = session.panel.checks
-    tab.rule.value = next(label for label in tab.rule.options if label.startswith(f"{rule_id}:"))
-    session.checking.choose_rule(tab.rule.value)
+    tab = part_of(session, "checks")
+    tab.limits.rule.value = next(label for label in tab.limits.rule.options if label.startswith(f"{rule_id}:"))
+    part_of(session, "checks").limits.choose_rule(tab.limits.rule.value)
 
 
 def change_limit(session, written, reason="agreed"):
-    tab = session.panel.checks
-    tab.limit.value, tab.reason.value = written, reason
-    session.checking.edit()
+    tab = part_of(session, "checks")
+    tab.limits.limit.value, tab.limits.reason.value = written, reason
+    part_of(session, "checks").limits.edit()
 
 
 def verdicts_of(checking, rule_id):
-    return {found.verdict for found in checking.check.findings if found.rule.rule_id == rule_id}
+    return {found.verdict for found in checking._judge.check.findings if found.rule.rule_id == rule_id}
 
 
 def edits_of(session):
-    return [(edit.rule_id, edit.side, edit.after.as_written) for edit in session.work.rules.edits]
+    return [(edit.rule_id, edit.side, edit.after.as_written) for edit in session.editor.work.rules.edits]
 
 
 def upload(name, text):
@@ -83,15 +85,15 @@ def await_told(page, words):
 def test_a_rule_that_is_chosen_comes_with_the_side_that_has_a_limit(session, tab):
     choose(session, IBC)
     pick_rule(session, "riser")
-    assert (tab.side.value, tab.limit.value) == (MAXIMUM, "7 in")
+    assert (tab.limits.side.value, tab.limits.limit.value) == (MAXIMUM, "7 in")
     pick_rule(session, "tread-depth")
-    assert (tab.side.value, tab.limit.value) == (MINIMUM, "11 in")
+    assert (tab.limits.side.value, tab.limits.limit.value) == (MINIMUM, "11 in")
     change_limit(session, "12 in")
     assert edits_of(session) == [("tread-depth", "minimum", "12 in")]
     # A click on a result does the same.
-    rules = [rule.rule_id for rule in session.checking.check.rule_set.rules]
-    session.checking.pick(str(rules.index("riser-uniformity") + 1))
-    assert (tab.rule.value.partition(":")[0], tab.side.value, tab.limit.value) == (
+    rules = [rule.rule_id for rule in session.judge.check.rule_set.rules]
+    part_of(session, "checks").open_rule(str(rules.index("riser-uniformity") + 1))
+    assert (tab.limits.rule.value.partition(":")[0], tab.limits.side.value, tab.limits.limit.value) == (
         "riser-uniformity",
         MAXIMUM,
         "3/8 in",
@@ -101,13 +103,13 @@ def test_a_rule_that_is_chosen_comes_with_the_side_that_has_a_limit(session, tab
 def test_a_side_without_a_limit_is_said_to_be_without_before_one_is_added(session, tab):
     choose(session, IBC)
     pick_rule(session, "tread-depth")
-    assert tab._change.label == CHANGE
-    tab.side.value = MAXIMUM
-    session.checking.choose_rule(tab.rule.value)
-    assert (tab.side.value, tab.limit.value) == (MAXIMUM, "")
-    assert tab._change.label == "Add a maximum: there is none"
+    assert tab.limits._change.label == CHANGE
+    tab.limits.side.value = MAXIMUM
+    part_of(session, "checks").limits.choose_rule(tab.limits.rule.value)
+    assert (tab.limits.side.value, tab.limits.limit.value) == (MAXIMUM, "")
+    assert tab.limits._change.label == "Add a maximum: there is none"
     change_limit(session, "13 in")
-    assert tab._change.label == CHANGE
+    assert tab.limits._change.label == CHANGE
     assert edits_of(session) == [("tread-depth", "maximum", "13 in")]
 
 
@@ -115,36 +117,36 @@ def test_the_field_has_the_present_limit_whatever_changed_it(session, checking, 
     choose(session, IBC)
     pick_rule(session, "riser")
     change_limit(session, "180 mm")
-    assert tab.limit.value == "180 mm"
-    checking.revert()
-    assert tab.limit.value == "7 in"
-    session.undo()
-    assert tab.limit.value == "180 mm"
-    session.undo()
-    assert tab.limit.value == "7 in"
-    session.redo()
+    assert tab.limits.limit.value == "180 mm"
+    checking.limits.revert()
+    assert tab.limits.limit.value == "7 in"
+    session.editor.undo()
+    assert tab.limits.limit.value == "180 mm"
+    session.editor.undo()
+    assert tab.limits.limit.value == "7 in"
+    session.editor.redo()
     choose(session, IRC)
-    assert (tab.rule.value.partition(":")[0], tab.limit.value) == ("riser", "7 3/4 in")
+    assert (tab.limits.rule.value.partition(":")[0], tab.limits.limit.value) == ("riser", "7 3/4 in")
     # Two sets with a rule of one label.
     choose(session, "uk-adk-2013-private")
-    assert tab.limit.value == "220 mm"
-    before = tab.rule.value
+    assert tab.limits.limit.value == "220 mm"
+    before = tab.limits.rule.value
     choose(session, "uk-adk-2013-general-access")
-    assert (tab.rule.value, tab.limit.value) == (before, "170 mm")
+    assert (tab.limits.rule.value, tab.limits.limit.value) == (before, "170 mm")
 
 
 def test_what_is_typed_stays_while_the_limit_is_what_it_was(session, tab):
     choose(session, IBC)
     pick_rule(session, "riser")
-    tab.limit.value, tab.reason.value = "1000000 ft", ""
+    tab.limits.limit.value, tab.limits.reason.value = "1000000 ft", ""
     for words in ("has too many digits", "write why"):
         with pytest.raises(ConfigError, match=words):
-            session.checking.edit()
-        typed = tab.limit.value
-        session.checking.choose_decision("simple: the value alone")
-        session.checking.choose_decision("guarded: U counts")
-        assert tab.limit.value == typed
-        tab.limit.value = "180 mm"
+            part_of(session, "checks").limits.edit()
+        typed = tab.limits.limit.value
+        part_of(session, "checks").choose_decision("simple: the value alone")
+        part_of(session, "checks").choose_decision("guarded: U counts")
+        assert tab.limits.limit.value == typed
+        tab.limits.limit.value = "180 mm"
 
 
 @pytest.mark.parametrize(
@@ -164,7 +166,7 @@ def test_a_limit_that_cannot_be_is_refused_in_words_for_the_page(session, rule_i
     with pytest.raises(ConfigError) as error:
         change_limit(session, written)
     assert words in str(error.value)
-    assert session.work.rules.edits == ()
+    assert session.editor.work.rules.edits == ()
 
 
 @pytest.mark.parametrize("typed", ["7¾″", "7 3/4''", "7 3/4 IN", "7 3/4 inches"])
@@ -172,21 +174,21 @@ def test_fractions_and_signs_of_inches_are_read_as_typed(session, tab, typed):
     choose(session, IBC)
     pick_rule(session, "riser")
     change_limit(session, typed)
-    assert tab.limit.value == "7 3/4 in"
+    assert tab.limits.limit.value == "7 3/4 in"
 
 
 def test_a_limit_added_to_a_reported_rule_is_judged_and_goes_again(session, checking, tab):
     choose(session, "us-osha-1910-25")
     pick_rule(session, "riser-uniformity")
-    tab.side.value = MAXIMUM
-    checking.choose_rule(tab.rule.value)
-    assert tab._change.label == "Add a maximum: there is none"
+    tab.limits.side.value = MAXIMUM
+    checking.limits.choose_rule(tab.limits.rule.value)
+    assert tab.limits._change.label == "Add a maximum: there is none"
     change_limit(session, "50 mm")
     assert verdicts_of(checking, "riser-uniformity") == {Verdict.WITHIN}
     assert "1 limit changed by the user" in words_of(tab.summary)
     change_limit(session, "")
     assert verdicts_of(checking, "riser-uniformity") == {Verdict.REPORTED}
-    assert checking.check.rule_set.rules == find_rule_set("us-osha-1910-25").rules
+    assert checking._judge.check.rule_set.rules == find_rule_set("us-osha-1910-25").rules
 
 
 # --- changed limits stay with their set ------------------------------------------------------------------------------
@@ -196,16 +198,16 @@ def test_changed_limits_stay_with_their_set_and_it_is_said(page, session, checki
     choose(session, IBC)
     pick_rule(session, "riser")
     change_limit(session, "180 mm")
-    kept = session.work.rules.edits
+    kept = session.editor.work.rules.edits
     title = find_rule_set(IBC).title
     choose(session, IRC)
     await_told(page, f"{title} keeps 1 changed limit for when it is chosen again")
-    assert session.work.rules.edits == ()
-    assert checking.check.rule_set == find_rule_set(IRC)
+    assert session.editor.work.rules.edits == ()
+    assert checking._judge.check.rule_set == find_rule_set(IRC)
     choose(session, "")
     choose(session, IBC)
     await_told(page, f"in force again: 1 changed limit of {title}")
-    assert session.work.rules.edits == kept
+    assert session.editor.work.rules.edits == kept
     assert session.keeper.project().rules.left == ()
 
 
@@ -214,30 +216,30 @@ def test_an_own_overlay_leaves_the_changed_limits_of_the_set(page, session, chec
     pick_rule(session, "riser")
     change_limit(session, "180 mm")
     checking.choose_overlay(label_of(session, NFPA))
-    checking.take_file(upload("overlay.toml", OWN_OVERLAY))
-    assert session.work.rules.overlay_ids == ("my-overlay",)
+    checking.own_rules.take_file(upload("overlay.toml", OWN_OVERLAY))
+    assert session.editor.work.rules.overlay_ids == ("my-overlay",)
     assert edits_of(session) == [("riser", "maximum", "180 mm")]
     await_told(page, f"the overlay {find_rule_set(NFPA).title} is not laid any more")
-    checking.forget_file()
-    assert session.work.rules.overlay_ids == ()
+    checking.own_rules.forget_file()
+    assert session.editor.work.rules.overlay_ids == ()
     assert edits_of(session) == [("riser", "maximum", "180 mm")]
 
 
 def test_of_a_newer_own_file_the_changes_that_fit_are_kept_and_the_others_counted(page, session, checking):
-    checking.take_file(upload("mine.toml", OWN))
+    checking.own_rules.take_file(upload("mine.toml", OWN))
     checking.choose_overlay(label_of(session, NFPA))
     pick_rule(session, "riser")
     change_limit(session, "180 mm")
     pick_rule(session, "tread-depth")
     change_limit(session, "11 in")
-    checking.take_file(upload("mine.toml", OWN.replace('maximum = "7 3/4 in"', 'maximum = "7 in"')))
+    checking.own_rules.take_file(upload("mine.toml", OWN.replace('maximum = "7 3/4 in"', 'maximum = "7 in"')))
     assert edits_of(session) == [("tread-depth", "minimum", "11 in")]
-    assert session.work.rules.overlay_ids == (NFPA,)
+    assert session.editor.work.rules.overlay_ids == (NFPA,)
     await_told(page, "dropped: 1 changed limit, of rules that are gone or have another limit now; Ctrl+Z undoes it")
-    session.undo()
+    session.editor.undo()
     assert len(edits_of(session)) == 2
-    checking.forget_file()
-    assert session.work.rules == ChosenRules()
+    checking.own_rules.forget_file()
+    assert session.editor.work.rules == ChosenRules()
     await_told(page, "dropped: 2 changed limits")
 
 
@@ -257,7 +259,7 @@ def test_an_overlay_with_a_changed_limit_comes_back_with_its_set_and_it_is_said(
     checking.choose_overlay(label_of(session, NFPA))
     pick_rule(session, find_rule_set(NFPA).rules[0].rule_id)
     change_limit(session, "4 mm")
-    before = session.work.rules
+    before = session.editor.work.rules
     base, overlay = find_rule_set(IBC).title, find_rule_set(NFPA).title
     choose(session, other)
     kept = f"{base} keeps 1 changed limit, with its overlay {overlay}, for when it is chosen again"
@@ -265,7 +267,7 @@ def test_an_overlay_with_a_changed_limit_comes_back_with_its_set_and_it_is_said(
     if other:
         checking.choose_overlay(NO_OVERLAY)
     choose(session, IBC)
-    assert session.work.rules == before
+    assert session.editor.work.rules == before
     await_told(page, f"in force again: 1 changed limit of {base}; laid again: the overlay {overlay}")
     assert not any("dropped" in told or "not laid" in told for told in page.told())
 
@@ -275,12 +277,12 @@ def test_an_overlay_that_goes_with_no_rules_or_a_forgotten_set_is_told(page, ses
     checking.choose_overlay(label_of(session, NFPA))
     choose(session, "")
     await_told(page, f"the overlay {find_rule_set(NFPA).title} is not laid any more")
-    checking.take_file(upload("mine.toml", OWN))
-    checking.take_file(upload("overlay.toml", OWN_OVERLAY.replace("NFPA 101", "A rule of ours")))
-    title = checking.check.rule_set.overlays[0].partition(" (my-overlay")[0]
+    checking.own_rules.take_file(upload("mine.toml", OWN))
+    checking.own_rules.take_file(upload("overlay.toml", OWN_OVERLAY.replace("NFPA 101", "A rule of ours")))
+    title = checking._judge.check.rule_set.overlays[0].partition(" (my-overlay")[0]
     assert "A rule of ours" in title
-    checking.forget_file()
-    assert session.work.rules.overlay_ids == ()
+    checking.own_rules.forget_file()
+    assert session.editor.work.rules.overlay_ids == ()
     await_told(page, f"the overlay {title} is not laid any more")
 
 
@@ -288,7 +290,7 @@ def test_an_overlay_that_goes_with_no_rules_or_a_forgotten_set_is_told(page, ses
 
 
 def take_up(session, rules):
-    session.take_up(dataclasses.replace(session.work, rules=rules), "a project")
+    session.editor.take_up(dataclasses.replace(session.editor.work, rules=rules), "a project")
 
 
 def unfit(rule_id, reason):
@@ -300,26 +302,26 @@ def test_changes_that_cannot_be_used_are_shown_and_taken_back_one_by_one(session
     edits = (good, unfit("riser-uniformity", "first"), unfit("tread-uniformity", "second"))
     take_up(session, ChosenRules(IBC, edits=edits))
     assert "was 999 mm when it was changed" in words_of(tab.summary)
-    assert "No limit was changed" not in words_of(tab.edits)
+    assert "No limit was changed" not in words_of(tab.limits.edits)
     for edit in edits:
-        assert edit.reason in words_of(tab.edits)
+        assert edit.reason in words_of(tab.limits.edits)
     with pytest.raises(ConfigError, match="or choose no rule set"):
-        checking.checked()
+        checking._judge.checked()
     for rule_id in ("riser-uniformity", "tread-uniformity"):
-        pick_by_id = next(label for label in tab.rule.options if label.startswith(f"{rule_id}:"))
-        tab.rule.value = pick_by_id
+        pick_by_id = next(label for label in tab.limits.rule.options if label.startswith(f"{rule_id}:"))
+        tab.limits.rule.value = pick_by_id
         # To choose the row is no mistake.
-        checking.choose_rule(pick_by_id)
-        assert (tab.rule.value, tab.limit.value) == (pick_by_id, "")
-        checking.revert()
-    assert session.work.rules.edits == (good,)
-    assert checking.checked().rule_set == rule_set_of(ChosenRules(IBC, edits=(good,)))
+        checking.limits.choose_rule(pick_by_id)
+        assert (tab.limits.rule.value, tab.limits.limit.value) == (pick_by_id, "")
+        checking.limits.revert()
+    assert session.editor.work.rules.edits == (good,)
+    assert checking._judge.checked().rule_set == rule_set_of(ChosenRules(IBC, edits=(good,)))
 
 
 def test_all_changes_that_cannot_be_used_are_taken_back_at_once(session, checking):
     take_up(session, ChosenRules(IBC, edits=(unfit("riser", "x"),)))
-    checking.revert_all()
-    assert checking.checked().rule_set == find_rule_set(IBC)
+    checking.limits.revert_all()
+    assert checking._judge.checked().rule_set == find_rule_set(IBC)
 
 
 def test_a_set_that_this_version_does_not_have_is_named_in_the_menu_and_can_be_left(session, checking, tab):
@@ -328,19 +330,19 @@ def test_a_set_that_this_version_does_not_have_is_named_in_the_menu_and_can_be_l
     assert tab.rules.value in tab.rules.options
     assert "unknown rule set 'us-irc-2027'" in words_of(tab.summary)
     checking.choose(tab.rules.value)
-    assert session.work.rules.set_id == "us-irc-2027"
+    assert session.editor.work.rules.set_id == "us-irc-2027"
     checking.choose(NO_RULES)
-    assert session.work.rules == ChosenRules()
+    assert session.editor.work.rules == ChosenRules()
     assert "us-irc-2027 (cannot be used)" not in tab.rules.options
-    assert checking.checked() is None
+    assert checking._judge.checked() is None
 
 
 def test_what_cannot_be_used_is_refused_where_all_is_well(session, checking, tab):
     choose(session, IBC)
-    before = session.work.rules
+    before = session.editor.work.rules
     clash = OWN_OVERLAY.replace(f'id = "{find_rule_set(NFPA).rules[0].rule_id}"', 'id = "riser"', 1)
     with pytest.raises(ConfigError, match="riser is there twice"):
-        checking.take_file(upload("clash.toml", clash))
+        checking.own_rules.take_file(upload("clash.toml", clash))
     for choose_it, words in ((checking.choose, "rule set"), (checking.choose_overlay, "overlay")):
         with pytest.raises(ConfigError, match=f"{words}: got 'x'; choose one of the menu"):
             choose_it("x")
@@ -348,19 +350,19 @@ def test_what_cannot_be_used_is_refused_where_all_is_well(session, checking, tab
     with pytest.raises(ConfigError, match="overlay: choose a rule set first"):
         checking.choose_overlay(label_of(session, NFPA))
     with pytest.raises(ConfigError, match="choose a rule set and a rule first"):
-        checking.edit()
+        checking.limits.edit()
     with pytest.raises(ConfigError, match="no limit of this rule was changed"):
-        checking.revert()
+        checking.limits.revert()
     assert tab.overlay.value == NO_OVERLAY
-    session.undo()
-    assert session.work.rules == before
+    session.editor.undo()
+    assert session.editor.work.rules == before
 
 
 # --- menus, marks and redrawing --------------------------------------------------------------------------------------
 
 
 def test_labels_of_the_menu_differ_where_the_field_still_shows_them(session, checking, tab):
-    checking.take_file(upload("mine.toml", OWN))
+    checking.own_rules.take_file(upload("mine.toml", OWN))
     for menu in (tab.rules, tab.overlay):
         # About as many letters as the field is wide.
         assert len({label[:30] for label in menu.options}) == len(menu.options)
@@ -384,22 +386,22 @@ def test_the_next_step_outside_is_one_that_is_marked(session, checking):
 
 def test_choosing_a_step_does_not_draw_every_rule_again(session, checking, tab, monkeypatch):
     drawn = []
-    draw = checking_module.rules_html
-    monkeypatch.setattr(checking_module, "rules_html", lambda *values: drawn.append(values) or draw(*values))
+    draw = checks_module.rules_html
+    monkeypatch.setattr(checks_module, "rules_html", lambda *values: drawn.append(values) or draw(*values))
     choose(session, IBC)
     for number in (1, 2, 3):
-        session.results.select(number)
+        session.desk.select(number)
     assert len(drawn) == 1
     # What does change is drawn.
-    session.set_unit("in")
+    session.desk.set_unit("in")
     assert "this check needs at most 0.20 in" in words_of(tab.by_rule)
-    session.set_unit("mm")
+    session.desk.set_unit("mm")
     assert "this check needs at most 5.08 mm" in words_of(tab.by_rule)
-    checking.pick("1")
+    checking.open_rule("1")
     assert 'aria-expanded="true"' in tab.by_rule.content
     assert len(drawn) == 4
 
 
 def test_an_own_file_is_known_by_its_bytes(session, checking):
-    checking.take_file(upload("mine.toml", OWN))
-    assert session.work.rules.files == (RuleFile("mine.toml", OWN),)
+    checking.own_rules.take_file(upload("mine.toml", OWN))
+    assert session.editor.work.rules.files == (RuleFile("mine.toml", OWN),)

@@ -19,10 +19,10 @@ from stair_inspector.viewer.parts.checks.checks_html import (
     steps_html,
     summary_html,
 )
-from stair_inspector.viewer.parts.steps.html import legend_html
+from stair_inspector.viewer.parts.html import legend_html
 from stair_inspector.viewer.scene.step_marks import TONE_CSS, mark_html, marks_of, tone_of
 from tests.codes.flights import changed, even, flight_of, inspection_of, measured, step
-from tests.viewer.parts.steps.test_html import Page
+from tests.viewer.parts.test_html import Page
 
 IBC = find_rule_set("us-ibc-2021")
 HOSTILE = "<img src=x onerror=1>"

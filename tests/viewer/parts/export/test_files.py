@@ -13,6 +13,8 @@ from PIL import Image
 from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.cameras import VIEWS
 from stair_inspector.viewer.compute.runs import Progress
+from stair_inspector.viewer.state.change import PageChange
+from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
 
 
@@ -49,15 +51,15 @@ def camera(monkeypatch):
 
 
 def status(session):
-    return session.panel.state.content
+    return part_of(session, "frame").state.content
 
 
 # Pictures.
 
 
 def test_a_picture_says_what_it_shows_and_all_views_are_in_the_zip(session, files, camera):
-    session.exporting.download("Screenshot PNG")
-    session.exporting.download("All views ZIP")
+    part_of(session, "export").downloads.download("Screenshot PNG")
+    part_of(session, "export").downloads.download("All views ZIP")
     assert list(files) == ["stair.png", "stair_views.zip"]
     assert Image.open(io.BytesIO(files["stair.png"])).width == camera.sizes[0][0] // 20
     names = zipfile.ZipFile(io.BytesIO(files["stair_views.zip"])).namelist()
@@ -68,30 +70,30 @@ def test_a_picture_says_what_it_shows_and_all_views_are_in_the_zip(session, file
 @pytest.mark.parametrize("change", ["settings", "colours", "mode"])
 def test_no_picture_gets_a_caption_of_something_else(page, session, files, camera, kind, change):
     def settings():
-        session.adjust(lambda params: params.replaced("levels.eps_m", 0.033), "eps")
+        session.editor.adjust(lambda params: params.replaced("levels.eps_m", 0.033), "eps")
         page.await_result()
 
     def colours():
-        session.looking.set_color("Height")
-        session.redraw()
+        session.look.set_color("Height")
+        session.desk.changed(PageChange.COLORS)
 
     camera.meanwhile = {
         "settings": settings,
         "colours": colours,
-        "mode": lambda: session.toolbar.views.set_mode("Raw"),
+        "mode": lambda: session.look.choose_mode("Raw"),
     }[change]
     with pytest.raises(ConfigError, match="what is shown changed while the picture was made"):
-        session.exporting.download(kind)
+        part_of(session, "export").downloads.download(kind)
     assert files == {}
     assert len(camera.sizes) == 1
 
 
 def test_the_legend_of_a_picture_has_the_lines_over_the_points_and_raw_points_have_none(session):
-    exporting, shown = session.exporting, session.desk.shown
+    exporting, shown = part_of(session, "export").downloads, session.desk.shown
     words = [words for _, words in exporting._legend(exporting._sit(shown)).entries]
     assert [each for each in ("front edge, nosing", "back edge", "side edges", "centre") if each not in words] == []
     assert any("floor" in each for each in words)
-    session.toolbar.views.set_mode("Raw")
+    session.look.choose_mode("Raw")
     legend = exporting._legend(exporting._sit(shown))
     assert (legend.title, legend.entries) == ("colours of the scan; grey where it has none", ())
 
@@ -100,8 +102,8 @@ def test_the_legend_of_a_picture_has_the_lines_over_the_points_and_raw_points_ha
 def test_four_times_a_large_window_is_as_large_as_a_picture_can_be(session, files, camera, window, wanted):
     state = session.desk.client.camera._state
     state.image_width, state.image_height = window
-    session.panel.export.size.value = "4 ×"
-    session.exporting.download("Screenshot PNG")
+    part_of(session, "export").downloads.size.value = "4 ×"
+    part_of(session, "export").downloads.download("Screenshot PNG")
     assert camera.sizes == [wanted]
 
 
@@ -113,12 +115,14 @@ def test_a_second_picture_is_refused_at_once_and_the_first_can_be_cancelled(sess
         gate.wait(20.0)
 
     camera.meanwhile = wait
-    first = threading.Thread(target=session.notices.guard(session.exporting.download), args=("All views ZIP",))
+    first = threading.Thread(
+        target=session.desk.notices.guard(part_of(session, "export").downloads.download), args=("All views ZIP",)
+    )
     first.start()
     assert has_begun.wait(20.0)
     assert "picture 1 of" in status(session)
     with pytest.raises(ConfigError, match=r"stair_views\.zip is still being made"):
-        session.exporting.download("Screenshot PNG")
+        part_of(session, "export").downloads.download("Screenshot PNG")
     session.cancel()
     first.join(20.0)
     assert not first.is_alive()
@@ -150,8 +154,11 @@ def test_the_making_of_a_file_and_a_run_share_the_line_and_neither_wipes_the_oth
 
 def test_a_suggestion_and_a_debug_ply_can_be_cancelled(session, files, monkeypatch):
     for name, ask in (
-        ("stair_inspector.viewer.parts.tune.presets.suggest_settings", session.tuning.suggest),
-        ("stair_inspector.viewer.parts.export.files.debug_ply_bytes", lambda: session.exporting.download("Debug PLY")),
+        ("stair_inspector.viewer.parts.tune.presets.suggest_settings", part_of(session, "tune").presets.suggest),
+        (
+            "stair_inspector.viewer.parts.export.files.debug_ply_bytes",
+            lambda: part_of(session, "export").downloads.download("Debug PLY"),
+        ),
     ):
         gate, has_begun = threading.Event(), threading.Event()
 
@@ -160,7 +167,7 @@ def test_a_suggestion_and_a_debug_ply_can_be_cancelled(session, files, monkeypat
             gate.wait(20.0)
 
         monkeypatch.setattr(name, wait)
-        asked = threading.Thread(target=session.notices.guard(ask))
+        asked = threading.Thread(target=session.desk.notices.guard(ask))
         asked.start()
         assert has_begun.wait(20.0)
         await_that(lambda: "making" in status(session), "it does not say what it does")
@@ -170,42 +177,42 @@ def test_a_suggestion_and_a_debug_ply_can_be_cancelled(session, files, monkeypat
         gate.set()
         await_that(lambda: not session.making._one_at_a_time.locked(), "it does not end")
     assert files == {}
-    assert "cancelled" in session.panel.tune.suggestion.content
+    assert "cancelled" in part_of(session, "tune").presets.suggestion.content
 
 
 # Sections.
 
 
 def test_the_section_goes_through_the_step_that_is_chosen(page, session):
-    section = session.toolbar.section
+    section = part_of(session, "look").section
     section.set_direction("Across")
     section.set_on(True)
-    session.results.select(2)
+    session.desk.select(2)
     await_that(lambda: "the middle of step 2" in section._plot.content, "the section stays where it was")
-    session.results.select(3)
+    session.desk.select(3)
     await_that(lambda: "the middle of step 3" in section._plot.content, "the section stays where it was")
-    session.results.select(None)
+    session.desk.select(None)
     await_that(lambda: "its middle" in section._plot.content, "the section stays where it was")
 
 
 @pytest.mark.parametrize("slider", ["_place", "_thickness"])
 @pytest.mark.parametrize("value", [math.nan, math.inf, 1e9])
 def test_an_impossible_place_goes_back_and_stops_no_later_run(page, session, slider, value):
-    section = session.toolbar.section
+    section = part_of(session, "look").section
     section.set_on(True)
     before = getattr(section, slider).value
     getattr(section, slider)._impl.value = value
     with pytest.raises(ConfigError, match="section: "):
-        section._move()
+        section._move(0.0)
     assert getattr(section, slider).value == before
-    session.adjust(lambda params: params.replaced("levels.eps_m", 0.033), "eps")
+    session.editor.adjust(lambda params: params.replaced("levels.eps_m", 0.033), "eps")
     page.await_result()
     assert "section along the stair" in section._plot.content
     assert [words for words in page.told() if "internal error" in words] == []
 
 
 def test_a_section_is_saved_under_the_name_of_the_scan_and_enlarged(session, files):
-    section = session.toolbar.section
+    section = part_of(session, "look").section
     section.set_on(True)
     section._do("Save CSV")
     (name,) = files

@@ -8,7 +8,7 @@ from PIL import Image
 from stair_inspector.content.images import read_logo, read_photo
 from stair_inspector.viewer.bridge.markup import list_key
 from stair_inspector.viewer.parts.export.pictures_html import logo_html, photos_html
-from tests.viewer.parts.steps.test_html import Page
+from tests.viewer.parts.test_html import Page
 
 HOSTILE = "<img src=x onerror=1>"
 

@@ -7,7 +7,7 @@ from stair_inspector.content.readings import TapeReading
 from stair_inspector.viewer.bridge.markup import list_key, pick_script
 from stair_inspector.viewer.parts.export.readings_html import readings_html
 from tests.codes.flights import even, inspection_of
-from tests.viewer.parts.steps.test_html import Page
+from tests.viewer.parts.test_html import Page
 
 INSPECTION = inspection_of(even(4, 0.0004))
 HOSTILE = "<img src=x onerror=1>"

@@ -8,10 +8,10 @@ import pytest
 from stair_inspector.pictures.cameras import FOV_RAD, Pose
 from stair_inspector.pictures.render import is_residual_map
 from stair_inspector.viewer.parts.export import scene_views
-from stair_inspector.viewer.parts.look.studio import place_camera
+from stair_inspector.viewer.parts.studio import place_camera
 from stair_inspector.viewer.scene.stage import MODES
 from stair_inspector.viewer.scene.step_marks import StepMark
-from stair_inspector.viewer.wiring import _colouring
+from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import OTHER
 
 _DRAWN = "drawn by the program"
@@ -63,18 +63,20 @@ def working(session, monkeypatch, act, at=(2,)):
 
 
 def taken(session):
-    return session.reporting._views.take(session.desk.shown, "2026-11-22", "Hall", lambda number, n: None)
+    return part_of(session, "export").report.maker.views.take(
+        session.desk.shown, "2026-11-22", "Hall", lambda number, n: None
+    )
 
 
 ACTIONS = {
-    "a step is chosen": lambda session: session.results.select(2),
-    "other colours": lambda session: _colouring(session, session.looking.set_color)("Height"),
-    "dark": lambda session: session.set_theme(True),
-    "a section": lambda session: session.toolbar.section.set_on(True),
-    "larger points": lambda session: session.looking.set_point_size(20.0),
-    "rejected surfaces": lambda session: session.set_rejected(True),
-    "another mode": lambda session: session.toolbar.views.set_mode("Side by side"),
-    "raw": lambda session: session.toolbar.views.set_mode("Raw"),
+    "a step is chosen": lambda session: session.desk.select(2),
+    "other colours": lambda session: part_of(session, "scan").points.set_color("Height"),
+    "dark": lambda session: session.desk.set_theme(True),
+    "a section": lambda session: part_of(session, "look").section.set_on(True),
+    "larger points": lambda session: session.look.set_point_size(20.0),
+    "rejected surfaces": lambda session: part_of(session, "steps").set_rejected(True),
+    "another mode": lambda session: session.look.choose_mode("Side by side"),
+    "raw": lambda session: session.look.choose_mode("Raw"),
 }
 
 
@@ -104,9 +106,9 @@ def test_what_is_chosen_while_pictures_are_taken_stays_chosen(session, monkeypat
     desk = session.desk
 
     def act():
-        session.results.select(2)
-        session.looking.set_point_size(20.0)
-        session.toolbar.views.set_mode("Raw")
+        session.desk.select(2)
+        session.look.set_point_size(20.0)
+        session.look.choose_mode("Raw")
 
     with working(session, monkeypatch, act):
         taken(session)
@@ -120,8 +122,8 @@ def test_what_is_chosen_while_pictures_are_taken_stays_chosen(session, monkeypat
 
 @pytest.mark.parametrize("mode", MODES)
 def test_without_work_meanwhile_the_scene_is_as_before(session, monkeypatch, mode):
-    session.toolbar.views.set_mode(mode)
-    session.results.select(1)
+    session.look.choose_mode(mode)
+    session.desk.select(1)
     before = states(session.desk.stage)
     with working(session, monkeypatch, lambda: None) as seen:
         taken(session)
@@ -133,23 +135,21 @@ def test_without_work_meanwhile_the_scene_is_as_before(session, monkeypatch, mod
 
 def test_the_camera_follows_into_the_mode_that_was_chosen_meanwhile(session, monkeypatch):
     camera = session.desk.client.camera
-    session.looking.go_to(
-        Pose(np.array([0.0, -5.0, 1.0]), np.array([0.0, 0.5, 0.5]), np.array([0.0, 0.0, 1.0])), FOV_RAD
-    )
-    session.toolbar.views.set_mode("Side by side")
+    session.look.go_to(Pose(np.array([0.0, -5.0, 1.0]), np.array([0.0, 0.5, 0.5]), np.array([0.0, 0.0, 1.0])), FOV_RAD)
+    session.look.choose_mode("Side by side")
     followed = np.array(camera.position)
-    session.toolbar.views.set_mode("Segmented")
-    with working(session, monkeypatch, lambda: session.toolbar.views.set_mode("Side by side")):
+    session.look.choose_mode("Segmented")
+    with working(session, monkeypatch, lambda: session.look.choose_mode("Side by side")):
         taken(session)
     assert np.allclose(camera.position, followed, atol=1e-6)
 
 
 def test_a_view_that_was_chosen_meanwhile_stays(session, monkeypatch):
     camera = session.desk.client.camera
-    session.toolbar.views.set_view("Top")
+    part_of(session, "look").views.set_view("Top")
     wanted = np.array(camera.position)
-    session.toolbar.views.set_view("Home")
-    with working(session, monkeypatch, lambda: session.toolbar.views.set_view("Top")) as seen:
+    part_of(session, "look").views.set_view("Home")
+    with working(session, monkeypatch, lambda: part_of(session, "look").views.set_view("Top")) as seen:
         taken(session)
     # What it showed was drawn for another camera.
     assert len(seen) == 6
@@ -158,7 +158,7 @@ def test_a_view_that_was_chosen_meanwhile_stays(session, monkeypatch):
 
 def test_without_work_meanwhile_the_camera_goes_back(session, monkeypatch):
     camera = session.desk.client.camera
-    session.toolbar.views.set_view("Top")
+    part_of(session, "look").views.set_view("Top")
     wanted = np.array(camera.position)
     with working(session, monkeypatch, lambda: None):
         taken(session)
@@ -167,7 +167,7 @@ def test_without_work_meanwhile_the_camera_goes_back(session, monkeypatch):
 
 def test_a_scene_that_keeps_changing_is_drawn_by_the_program_and_said_so_once(session, monkeypatch):
     sizes = iter(range(3, 90))
-    with working(session, monkeypatch, lambda: session.looking.set_point_size(next(sizes)), at=range(100)):
+    with working(session, monkeypatch, lambda: session.look.set_point_size(next(sizes)), at=range(100)):
         views = taken(session)
     drawn = [view.caption for view in views if not is_residual_map(view)]
     assert drawn[0].endswith(f"({_DRAWN}, not taken of the scene: it changed while its pictures were taken)")
@@ -178,7 +178,7 @@ def test_a_scene_that_keeps_changing_is_drawn_by_the_program_and_said_so_once(se
 
 def test_pictures_with_other_marks_than_the_reports_check_are_not_taken(session, monkeypatch):
     def judge_again():
-        session.results.marks = {1: StepMark("bad", "rise outside")}
+        session.desk.marks = {1: StepMark("bad", "rise outside")}
 
     with working(session, monkeypatch, judge_again, at=(4,)):
         views = taken(session)
@@ -186,10 +186,10 @@ def test_pictures_with_other_marks_than_the_reports_check_are_not_taken(session,
 
 
 def test_the_same_marks_judged_again_change_nothing(session, monkeypatch):
-    session.results.marks = {1: StepMark("bad", "rise outside")}
+    session.desk.marks = {1: StepMark("bad", "rise outside")}
 
     def judge_again():
-        session.results.marks = dict(session.results.marks)
+        session.desk.marks = dict(session.desk.marks)
 
     with working(session, monkeypatch, judge_again):
         views = taken(session)
@@ -201,13 +201,13 @@ def test_another_scan_ends_the_pictures_of_the_one_before(page, session, monkeyp
     camera = session.desk.client.camera
 
     def act():
-        session.choose_scan(OTHER)
+        part_of(session, "scan").choose(OTHER)
         page.await_result(OTHER)
 
     with working(session, monkeypatch, act):
         views = taken(session)
     assert "it changed while its pictures were taken" in views[0].caption
-    session.looking.go_to(*session.looking.gone_to)
+    session.look.go_to(*session.look.gone_to)
     stands = np.array(camera.position)
-    session.looking.look("Home")
+    session.look.look("Home")
     assert np.allclose(camera.position, stands, atol=1e-6)

@@ -8,6 +8,7 @@ import pytest
 from stair_inspector.errors import ConfigError
 from stair_inspector.overrules import parse_region
 from stair_inspector.viewer.bridge.markup import list_key
+from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import _CAMERA, OTHER, await_that
 
 AROUND = np.array([[-0.01], [0.01]])
@@ -15,7 +16,7 @@ AROUND = np.array([[-0.01], [0.01]])
 
 
 def open_scan(page, label):
-    page.session.choose_scan(label)
+    part_of(page.session, "scan").choose(label)
     page.await_result(label)
 
 
@@ -24,7 +25,7 @@ def click(session, row):
     stage, display = session.desk.stage, session.desk.shown.display
     x, y, z = stage.rotation @ display.points[row]
     event = SimpleNamespace(ray_origin=(x, y, z + 0.05), ray_direction=(0.0, 0.0, -1.0))
-    session.toolbar.measure._on_click(event)
+    part_of(session, "look").measure._on_click(event)
 
 
 def order_of(entries, word, number):
@@ -39,76 +40,78 @@ def whole_scan(session):
 
 
 def numbers(session):
-    tab = session.panel.scan
-    return np.array([tab.region_low.value, tab.region_high.value])
+    tab = part_of(session, "scan")
+    return np.array([tab.region.low.value, tab.region.high.value])
 
 
 # Picking.
 
 
 def test_a_distance_begun_on_one_scan_does_not_end_on_another(page, session):
-    measure = session.toolbar.measure
+    measure = part_of(session, "look").measure
     measure.set_mode("Distance")
     click(session, 10)
     assert measure._ruler.waiting is not None
     open_scan(page, OTHER)
     assert measure._ruler.waiting is None
     click(session, 20)
-    assert session.work.measurements == ()
+    assert session.editor.work.measurements == ()
     click(session, 400)
-    (made,) = session.work.measurements
+    (made,) = session.editor.work.measurements
     scan = session.desk.shown.scan
     for place in made.points_m:
         assert np.linalg.norm(scan.points + scan.origin_m - np.array(place), axis=1).min() < 1e-6
 
 
 def test_floor_points_picked_on_one_scan_do_not_count_on_another(page, session):
-    before = session.work.params.up
-    session.upright.start("Pick 3 floor points")
+    before = session.editor.work.params.up
+    part_of(session, "scan").upright.start("Pick 3 floor points")
     click(session, 10)
     click(session, 400)
-    assert "2 of 3" in session.panel.scan.up_hint.content
+    assert "2 of 3" in part_of(session, "scan").upright.hint.content
     open_scan(page, OTHER)
-    assert session.panel.scan.up_hint.content == ""
+    assert part_of(session, "scan").upright.hint.content == ""
     click(session, 20)
-    assert session.work.params.up == before
+    assert session.editor.work.params.up == before
 
 
 def test_taking_the_treads_ends_the_picking_of_points(page, session):
-    session.upright.start("Pick 3 floor points")
+    part_of(session, "scan").upright.start("Pick 3 floor points")
     click(session, 10)
-    session.upright.start("Take the treads")
-    assert session.panel.scan.up_hint.content == ""
-    up = session.work.params.up
+    part_of(session, "scan").upright.start("Take the treads")
+    assert part_of(session, "scan").upright.hint.content == ""
+    up = session.editor.work.params.up
     shown = page.await_result()
     for row in (400, 800, 1200):
         click(session, row)
-    assert session.work.params.up == up
+    assert session.editor.work.params.up == up
     # The boxes and the line below them say what is in use.
     used = [f"{component:.4f}" for component in np.round(shown.inspection.up.vector, 4) + 0.0]
-    await_that(lambda: f"({', '.join(used)})" in session.panel.scan.up_used.content, "the up in use is not shown")
-    assert session.panel.controls._up_vector.value == pytest.approx(shown.inspection.up.vector, abs=1e-5)
+    await_that(
+        lambda: f"({', '.join(used)})" in part_of(session, "scan").upright.used.content, "the up in use is not shown"
+    )
+    assert session.editor.controls._up_vector.value == pytest.approx(shown.inspection.up.vector, abs=1e-5)
 
 
 # The region of interest.
 
 
 def test_a_region_has_no_text_field_that_nothing_would_submit(session):
-    assert "overrules.region" not in session.panel.controls._controls
+    assert "overrules.region" not in session.editor.controls._controls
 
 
 def test_the_box_is_the_one_that_counts_after_undo_and_on_another_scan(page, session):
-    session.region.use_tool("Around the stair")
+    part_of(session, "scan").region.use_tool("Around the stair")
     page.await_result()
-    box = np.array(parse_region(session.work.params.overrules.region))
+    box = np.array(parse_region(session.editor.work.params.overrules.region))
     np.testing.assert_allclose(numbers(session), box)
-    assert "what lies in the box" in session.panel.scan.region_told.content
-    session.undo()
+    assert "what lies in the box" in part_of(session, "scan").region.told.content
+    session.editor.undo()
     page.await_result()
     np.testing.assert_allclose(numbers(session), whole_scan(session) + AROUND, atol=6e-4)
-    np.testing.assert_allclose(session.region._box, numbers(session))
-    assert "the whole scan" in session.panel.scan.region_told.content
-    session.redo()
+    np.testing.assert_allclose(part_of(session, "scan").region._box, numbers(session))
+    assert "the whole scan" in part_of(session, "scan").region.told.content
+    session.editor.redo()
     page.await_result()
     np.testing.assert_allclose(numbers(session), box)
     open_scan(page, OTHER)
@@ -116,96 +119,99 @@ def test_the_box_is_the_one_that_counts_after_undo_and_on_another_scan(page, ses
 
 
 def test_impossible_numbers_of_the_box_are_a_sentence_and_stop_no_later_run(page, session):
-    tab = session.panel.scan
-    tab.region_shown.value = True
-    session.region.set_shown(True)
-    good = session.region._box
-    tab.region_low.value = (90.0, 90.0, 90.0)
+    tab = part_of(session, "scan")
+    tab.region.is_shown.value = True
+    part_of(session, "scan").region.set_shown(True)
+    good = part_of(session, "scan").region._box
+    tab.region.low.value = (90.0, 90.0, 90.0)
     with pytest.raises(ConfigError, match="low corner must be below that of the high corner"):
-        session.region.read_numbers()
-    assert session.region._box == good
-    session.adjust(lambda params: params.replaced("up", "z"))
+        part_of(session, "scan").region.read_numbers()
+    assert part_of(session, "scan").region._box == good
+    session.editor.adjust(lambda params: params.replaced("up", "z"))
     assert page.await_result().inspection.up.source == "given"
     assert [words for words in page.told() if "internal error" in words] == []
-    assert len(session.region._handles) == 2
+    assert len(part_of(session, "scan").region._handles) == 2
 
 
 def test_numbers_that_are_being_written_stay_until_they_are_applied(page, session):
-    tab = session.panel.scan
+    tab = part_of(session, "scan")
     low, high = numbers(session)
-    tab.region_low.value = tuple(low - 1.0)
-    session.region.read_numbers()
-    session.change("something else", title="Hall")
+    tab.region.low.value = tuple(low - 1.0)
+    part_of(session, "scan").region.read_numbers()
+    session.editor.change("something else", title="Hall")
     np.testing.assert_allclose(numbers(session)[0], low - 1.0)
-    session.region.apply()
+    part_of(session, "scan").region.apply()
     page.await_result()
-    np.testing.assert_allclose(np.array(parse_region(session.work.params.overrules.region)), [low - 1.0, high])
+    np.testing.assert_allclose(np.array(parse_region(session.editor.work.params.overrules.region)), [low - 1.0, high])
 
 
 # Views.
 
 
 def test_a_kept_view_gets_a_name_of_its_own_and_can_be_gone_to_again_and_again(session):
-    views, camera = session.toolbar.views, session.desk.client.camera
+    views, camera = part_of(session, "look").views, session.desk.client.camera
     views.keep()
     first = np.array(camera.position)
     views.set_view("Top")
     views.keep()
-    views.obey(order_of(session.work.views, "delete", 1))
+    views.obey(order_of(session.editor.work.views, "delete", 1))
     views.keep()
-    assert [view.name for view in session.work.views] == ["View 2", "View 1"]
+    assert [view.name for view in session.editor.work.views] == ["View 2", "View 1"]
     views._name.value = "View 2"
     with pytest.raises(ConfigError, match="the name 'View 2' is taken"):
         views.keep()
-    assert len(session.work.views) == 2
+    assert len(session.editor.work.views) == 2
     for time in range(2):
         views.set_view("Home")
-        views.obey(f"{order_of(session.work.views, 'show', 1)}{time}")
+        views.obey(f"{order_of(session.editor.work.views, 'show', 1)}{time}")
         assert np.linalg.norm(camera.position - first) > 0.5
         assert camera.look_at[2] < camera.position[2]
     with pytest.raises(ConfigError, match="kept views: the list has changed since"):
-        views.obey(order_of(session.work.views, "show", 3))
+        views.obey(order_of(session.editor.work.views, "show", 3))
 
 
 def test_a_second_click_on_a_cross_deletes_no_other_view(session):
-    views = session.toolbar.views
+    views = part_of(session, "look").views
     for _ in range(3):
         views.keep()
-    first, twice = order_of(session.work.views, "delete", 1), order_of(session.work.views, "delete", 1) + "7"
+    first, twice = (
+        order_of(session.editor.work.views, "delete", 1),
+        order_of(session.editor.work.views, "delete", 1) + "7",
+    )
     assert first in views._list.content
     views.obey(first)
     with pytest.raises(ConfigError, match="kept views: the list has changed since; choose the row once more"):
         views.obey(twice)
-    assert [view.name for view in session.work.views] == ["View 2", "View 3"]
-    views.obey(order_of(session.work.views, "delete", 2))
-    assert [view.name for view in session.work.views] == ["View 2"]
+    assert [view.name for view in session.editor.work.views] == ["View 2", "View 3"]
+    views.obey(order_of(session.editor.work.views, "delete", 2))
+    assert [view.name for view in session.editor.work.views] == ["View 2"]
 
 
 def test_a_second_click_on_a_cross_deletes_no_other_measurement(session):
-    measure = session.toolbar.measure
+    measure = part_of(session, "look").measure
     measure.set_mode("Point")
     for row in (10, 400, 800):
         click(session, row)
-    order = order_of(session.work.measurements, "delete", 1)
+    order = order_of(session.editor.work.measurements, "delete", 1)
     assert order in measure._list.content
     measure.obey(order)
     for late in (order, order.replace("delete", "show")):
         with pytest.raises(ConfigError, match="measurements: the list has changed since; choose the row once more"):
             measure.obey(f"{late}7")
-    assert [entry.name for entry in session.work.measurements] == ["Point 2", "Point 3"]
+    assert [entry.name for entry in session.editor.work.measurements] == ["Point 2", "Point 3"]
 
 
 def test_a_name_of_a_view_is_used_once(session):
-    views = session.toolbar.views
+    views = part_of(session, "look").views
     views._name.value = " hand  rail "
     views.keep()
     views.keep()
-    assert [view.name for view in session.work.views] == ["hand rail", "View 1"]
+    assert [view.name for view in session.editor.work.views] == ["hand rail", "View 1"]
     assert "hand rail" in views._list.content
 
 
 def test_raw_and_steps_are_seen_from_the_same_spot(session):
-    looking, camera = session.looking, session.desk.client.camera
+    looking, camera = session.look, session.desk.client.camera
 
     def place():
         return np.array([camera.position, camera.look_at])
@@ -227,7 +233,7 @@ def test_raw_and_steps_are_seen_from_the_same_spot(session):
 
 
 def test_a_standard_view_stays_one_when_the_clouds_move_apart(session):
-    looking = session.looking
+    looking = session.look
     looking.set_view("Front")
     looking.set_mode("Side by side")
     assert all(is_seen(session, corner) for corner in session.desk.stage.visible_extent())
@@ -249,7 +255,7 @@ def is_seen(session, place):
 
 
 def test_the_orthographic_look_keeps_the_size_after_another_angle_of_view(session):
-    looking, camera = session.looking, session.desk.client.camera
+    looking, camera = session.look, session.desk.client.camera
     looking.set_view("Side")
     seen = np.linalg.norm(np.array(camera.position) - camera.look_at) * np.tan(camera.fov / 2.0)
     pose = looking.pose()
@@ -265,29 +271,29 @@ def test_the_orthographic_look_keeps_the_size_after_another_angle_of_view(sessio
 
 
 def test_standard_views_frame_the_stair_and_not_all_of_a_large_scan(session):
-    looking, stage = session.looking, session.desk.stage
+    looking, stage = session.look, session.desk.stage
     stage.extent = stage.extent * 20.0
 
     def distance():
         pose = looking.pose()
         return np.linalg.norm(pose.position - pose.look_at)
 
-    session.toolbar.views.look_at("Whole scan")
+    part_of(session, "look").views.look_at("Whole scan")
     far = distance()
-    session.toolbar.views.look_at("Whole stair")
+    part_of(session, "look").views.look_at("Whole stair")
     assert distance() < 0.3 * far
     steps = np.concatenate([step.corners for step in session.desk.inspection.steps])
     assert all(is_seen(session, place) for place in steps @ stage.rotation.T)
     with pytest.raises(ConfigError, match="look at: got 'moon'"):
-        session.toolbar.views.look_at("moon")
+        part_of(session, "look").views.look_at("moon")
 
 
 def test_a_scene_without_a_height_stops_nothing(page, session):
     page._send(_CAMERA | {"image_height": 0})
     await_that(lambda: session.desk.client.camera.image_height == 0, "the camera has not come")
     for view in ("Home", "Front", 1):
-        session.looking.look(view)
-    session.adjust(lambda params: params.replaced("up", "z"))
+        session.look.look(view)
+    session.editor.adjust(lambda params: params.replaced("up", "z"))
     page.await_result()
     assert [words for words in page.told() if "internal error" in words] == []
 
@@ -296,36 +302,35 @@ def test_a_scene_without_a_height_stops_nothing(page, session):
 
 
 def test_buttons_show_which_of_them_is_on(page, session):
-    measure, panel = session.toolbar.measure, session.panel
+    measure, frame = part_of(session, "look").measure, part_of(session, "frame")
+    unit, steps, tune = part_of(session, "page_settings")._unit, part_of(session, "steps"), part_of(session, "tune")
 
     def filled(choice):
         return int(choice._mark.content.partition("nth-child(")[2].partition(")")[0]) - 1
 
     def pressed():
-        parts = panel.toolbar.content.split("<button")[1:]
+        parts = frame.toolbar.content.split("<button")[1:]
         return [part.partition("</button>")[0].rpartition(">")[2] for part in parts if 'aria-pressed="true"' in part]
 
-    assert [filled(measure._mode), filled(panel.unit), filled(panel.steps.table.columns)] == [0, 0, 0]
+    assert [filled(measure._mode), filled(unit), filled(steps.table.columns)] == [0, 0, 0]
     assert pressed() == ["Segmented", "mm"]
     measure.next_mode()
-    session.toolbar.views.set_mode("Raw")
-    session.set_unit("in")
-    session.results.set_columns("Paper")
-    session.toolbar.section.set_direction("Across")
-    assert [filled(measure._mode), filled(panel.unit), filled(panel.steps.table.columns)] == [1, 1, 1]
-    assert [filled(session.toolbar.views._mode), filled(session.toolbar.section._cut)] == [0, 1]
-    assert filled(panel.tune.table.columns) == 1
+    session.look.choose_mode("Raw")
+    session.desk.set_unit("in")
+    part_of(session, "steps").table.set_columns("Paper")
+    part_of(session, "look").section.set_direction("Across")
+    assert [filled(measure._mode), filled(unit), filled(steps.table.columns)] == [1, 1, 1]
+    assert [filled(part_of(session, "look").views._mode), filled(part_of(session, "look").section._cut)] == [0, 1]
+    assert filled(tune.table.columns) == 1
     assert pressed() == ["Raw", "in"]
-    assert panel.toolbar.content.count('aria-pressed="false"') == 3
+    assert frame.toolbar.content.count('aria-pressed="false"') == 3
 
 
 def test_there_is_one_help_card_and_escape_closes_it(session):
-    from stair_inspector.viewer.wiring import commands_of
-
     gui = session.desk.client.gui
-    commands = {command.label: command.action for command in commands_of(session)}
+    commands = {command.label: command.action for command in session.commands()}
     before = len(gui._modal_handle_from_uuid)
-    session.results.select(1)
+    session.desk.select(1)
     commands["This help"]()
     assert len(gui._modal_handle_from_uuid) == before + 1
     commands["Put the selection or tool away"]()

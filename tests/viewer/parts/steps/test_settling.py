@@ -9,8 +9,10 @@ from stair_inspector.model import Note
 from stair_inspector.params import Params
 from stair_inspector.stability import CODE
 from stair_inspector.viewer.compute.worker import Cancelled
-from stair_inspector.viewer.parts.steps import html, settling
+from stair_inspector.viewer.parts import html
+from stair_inspector.viewer.parts.steps import settling
 from tests.viewer.parts.tune.test_paper_edges import slide
+from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
 
 WORDS = "the going of step 2 hangs on the settings: it moves by 9.0 mm, more than its u, where θ_th is 15.5 °"
@@ -34,18 +36,18 @@ def looked(monkeypatch):
 def test_a_mark_is_in_the_table_on_the_card_and_among_the_notes_and_goes_with_the_next_result(looked, page):
     session = page.session
     before = session.desk.shown
-    await_that(lambda: "hangs on the settings" in session.panel.details.content, "nothing is marked")
+    await_that(lambda: "hangs on the settings" in part_of(session, "page_settings").notes.content, "nothing is marked")
     assert session.desk.shown is before
     plain = html.table_html(session.desk.inspection, session.desk.palette, None, None, "survey")
     assert "unsettled" not in plain
     table = html.table_html(session.desk.marked, session.desk.palette, None, None, "survey")
     assert table.count('data-testid="unsettled"') == 1
     assert f'title="{WORDS}"' in table
-    session.results.select(2)
-    assert "hangs on the settings" in session.panel.steps.card.content
-    assert "▲" in session.panel.state.content
+    session.desk.select(2)
+    assert "hangs on the settings" in part_of(session, "steps").card.content
+    assert "▲" in part_of(session, "frame").state.content
     slide(page, "horizontal.theta_deg", 20.0)
-    assert "hangs on the settings" not in session.panel.details.content
+    assert "hangs on the settings" not in part_of(session, "page_settings").notes.content
     await_that(lambda: len(looked) == 2, "the next result is not looked into")
     assert session.desk.unsettled == ()
 
@@ -78,7 +80,7 @@ def test_what_was_given_up_for_a_run_that_came_to_nothing_is_looked_into_again(l
     session = page.session
     # As while a run goes on that is cancelled in the end.
     busy = iter([True, True])
-    session.settling._is_busy = lambda: next(busy, False)
-    session.settling.renew()
-    await_that(lambda: "hangs on the settings" in session.panel.details.content, "nothing is marked")
+    part_of(session, "steps").settling._is_busy = lambda: next(busy, False)
+    part_of(session, "steps").settling.renew()
+    await_that(lambda: "hangs on the settings" in part_of(session, "page_settings").notes.content, "nothing is marked")
     assert next(busy, None) is None

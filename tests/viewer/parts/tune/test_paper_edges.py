@@ -9,6 +9,7 @@ from stair_inspector.params import SETTINGS, AxesParams, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.parts.tune.paper_edges import PAPER_ONLY, paper_edges_of
 from tests.synthetic import Stair, exact_params
+from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
 
 NODE = "/stair/segments/paper_edges"
@@ -28,9 +29,11 @@ def lines_in(session):
 
 def slide(page, name, value):
     """Move a slider as a person does."""
-    control = page.session.panel.controls._controls[name]
+    control = page.session.editor.controls._controls[name]
     page._send({"type": "GuiUpdateMessage", "uuid": control._impl.uuid, "updates": {"value": value}})
-    await_that(lambda: page.session.work.params.value(name) == SETTINGS.knob(name).stored(value), "nothing was set")
+    await_that(
+        lambda: page.session.editor.work.params.value(name) == SETTINGS.knob(name).stored(value), "nothing was set"
+    )
     return page.await_result()
 
 
@@ -65,21 +68,21 @@ def test_what_acts_on_the_papers_columns_alone_says_so_in_name_and_help(inspecti
 def test_they_are_shown_while_their_slider_moves_and_go_with_the_next_control(page):
     session = page.session
     assert lines_in(session) is None
-    assert "paper's columns" not in session.panel.legend.content
+    assert "paper's columns" not in part_of(session, "frame").legend.content
     slide(page, FRONT, 90.0)
     moved = lines_in(session)
     assert moved is not None
-    assert "edges of the paper's columns" in session.panel.legend.content
+    assert "edges of the paper's columns" in part_of(session, "frame").legend.content
     slide(page, FRONT, 80.0)
     assert not np.array_equal(lines_in(session), moved)
     slide(page, EPS, 21.0)
     assert lines_in(session) is None
-    assert "paper's columns" not in session.panel.legend.content
+    assert "paper's columns" not in part_of(session, "frame").legend.content
 
 
 def test_they_go_by_themselves(page, monkeypatch):
     session = page.session
-    monkeypatch.setattr(session.paper_edges._settle, "_quiet_s", 0.2)
+    monkeypatch.setattr(part_of(session, "tune").paper_edges._settle, "_quiet_s", 0.2)
     slide(page, FRONT, 70.0)
     await_that(lambda: lines_in(session) is None, "they stay")
-    assert "paper's columns" not in session.panel.legend.content
+    assert "paper's columns" not in part_of(session, "frame").legend.content

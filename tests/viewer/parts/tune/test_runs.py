@@ -1,5 +1,6 @@
 """Earlier results and sweeps without a page: what is listed, what is measured for it, and what a Cancel leaves."""
 
+import contextlib
 import dataclasses
 import threading
 import time
@@ -11,8 +12,7 @@ from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.compute.worker import Cancelled
 from stair_inspector.viewer.parts.desk import Shown
-from stair_inspector.viewer.parts.tune.runs import Comparing
-from stair_inspector.viewer.parts.tune.tab import AS_SHOWN, NO_RUN
+from stair_inspector.viewer.parts.tune.runs import AS_SHOWN, NO_RUN, RunComparison
 from tests.synthetic import Stair, exact_params
 
 LONG_S = 20.0
@@ -20,21 +20,26 @@ LONG_S = 20.0
 PARAMS = exact_params(up="z").replaced("normals.source", "estimate")
 
 
-class Tab:
-    """In the place of the Tune tab: what the page would show."""
+class Widgets:
+    """In the place of a page's: what is made holds its value and has no page to show it on."""
 
-    def __init__(self):
-        self.comparison, self.sweep = SimpleNamespace(content=""), SimpleNamespace(content="")
-        self.run_name = SimpleNamespace(value="run 1")
-        self.sweep_setting = SimpleNamespace(value="m")
-        self.sweep_quantity = SimpleNamespace(value="Mean rise")
-        self.titles, self.a, self.b, self.is_sweeping = (), NO_RUN, AS_SHOWN, False
+    def folder(self, title, **_):
+        return contextlib.nullcontext()
 
-    def offer_runs(self, titles, a, b):
-        self.titles, self.a, self.b = titles, a, b
+    def html(self, content=""):
+        return SimpleNamespace(content=content)
 
-    def show_sweeping(self, is_sweeping):
-        self.is_sweeping = is_sweeping
+    def text(self, label, value="", **_):
+        return SimpleNamespace(value=value)
+
+    def dropdown(self, label, options, is_visible=True, **_):
+        return SimpleNamespace(value=options[0], options=options, visible=is_visible)
+
+    def buttons(self, label, options, on_press, is_visible=True, **_):
+        return SimpleNamespace(visible=is_visible)
+
+    def button(self, label, action, is_visible=True, **_):
+        return SimpleNamespace(visible=is_visible)
 
 
 class Desk:
@@ -88,12 +93,16 @@ def measured():
 @pytest.fixture
 def page(measured):
     scan, inspection = measured
-    tab, desk, editor = Tab(), Desk(Shown("stair.ply", scan, None, inspection)), Editor()
+    desk, editor = Desk(Shown("stair.ply", scan, None, inspection)), Editor()
     workshop = Workshop({"mm": scan})
-    comparing = Comparing(desk, SimpleNamespace(tune=tab), editor, workshop, lambda: "folder/stair.ply")
+    keeper = SimpleNamespace(scan="folder/stair.ply")
+    comparing = RunComparison(
+        SimpleNamespace(desk=desk, editor=editor, keeper=keeper, workshop=workshop, widgets=Widgets())
+    )
+    comparing.sweep_setting.value, comparing.sweep_quantity.value = "m", "Mean rise"
     editor.comparing = comparing
     comparing.show()
-    yield SimpleNamespace(tab=tab, desk=desk, editor=editor, workshop=workshop, comparing=comparing, scan=scan)
+    yield SimpleNamespace(desk=desk, editor=editor, workshop=workshop, comparing=comparing, scan=scan)
     desk.is_closed = True
     workshop.gate.set()
     comparing.close()
@@ -104,6 +113,10 @@ def await_true(condition):
     while not condition():
         assert time.monotonic() < ends
         time.sleep(0.005)
+
+
+def titles_of(page):
+    return page.comparing.menu_a.options[1:]
 
 
 def show_result(page, **changes):
@@ -123,28 +136,28 @@ def test_every_result_is_in_the_history_and_two_earlier_ones_are_compared(page):
         show_result(page, params=with_m(value))
         # The next change comes long after, so that it is no drag.
         page.comparing._history._clock = lambda value=value: 1e6 + value
-    assert [title.split(" ")[:2] for title in page.tab.titles] == [["#3", "m"], ["#2", "m"], ["#1", "first"]]
+    assert [title.split(" ")[:2] for title in titles_of(page)] == [["#3", "m"], ["#2", "m"], ["#1", "first"]]
     page.comparing.compare_with("#1 first result, 5 steps")
-    await_true(lambda: "comparison-table" in page.tab.comparison.content)
-    assert "<b>A:</b> #1 first result, 5 steps · <b>B:</b> what is shown" in page.tab.comparison.content
-    second = next(title for title in page.tab.titles if title.startswith("#2"))
+    await_true(lambda: "comparison-table" in page.comparing.comparison.content)
+    assert "<b>A:</b> #1 first result, 5 steps · <b>B:</b> what is shown" in page.comparing.comparison.content
+    second = next(title for title in titles_of(page) if title.startswith("#2"))
     page.comparing.compare_to(second)
-    await_true(lambda: f"<b>B:</b> {second}" in page.tab.comparison.content)
-    assert (page.tab.a, page.tab.b) == ("#1 first result, 5 steps", second)
+    await_true(lambda: f"<b>B:</b> {second}" in page.comparing.comparison.content)
+    assert (page.comparing.menu_a.value, page.comparing.menu_b.value) == ("#1 first result, 5 steps", second)
     page.comparing.take_settings()
     assert page.editor.applied == [(PARAMS, "settings of #1 first result, 5 steps")]
     page.comparing.forget()
-    assert "#1 first result, 5 steps" not in page.tab.titles
-    assert page.tab.comparison.content == ""
+    assert "#1 first result, 5 steps" not in titles_of(page)
+    assert page.comparing.comparison.content == ""
 
 
 def test_a_kept_run_is_measured_once_and_forgotten_for_good(page):
     page.comparing.keep("narrow  bands")
-    assert page.tab.titles[0] == page.tab.a == "narrow bands"
-    assert "The settings are the same." in page.tab.comparison.content
+    assert titles_of(page)[0] == page.comparing.menu_a.value == "narrow bands"
+    assert "The settings are the same." in page.comparing.comparison.content
     assert page.workshop.n_heavy == 0, "it has just been measured"
     page.comparing.forget()
-    assert page.tab.a == NO_RUN
+    assert page.comparing.menu_a.value == NO_RUN
     assert page.comparing._made == []
 
 
@@ -159,8 +172,8 @@ def test_a_kept_run_that_fails_says_why_and_is_not_measured_at_every_result(page
     monkeypatch.setattr("stair_inspector.viewer.parts.tune.runs.inspect", fail)
     monkeypatch.setattr(page.comparing, "_made", [])
     show_result(page, params=with_m(90))
-    await_true(lambda: calls and "measuring" not in page.tab.comparison.content)
-    refused = page.tab.comparison.content
+    await_true(lambda: calls and "measuring" not in page.comparing.comparison.content)
+    refused = page.comparing.comparison.content
     for value in (91, 92, 93):
         show_result(page, params=with_m(value))
     time.sleep(0.1)
@@ -175,11 +188,11 @@ def test_a_cancel_ends_one_comparison_and_none_after_it(page):
     show_result(page, params=with_m(90))
     await_true(lambda: page.workshop.n_heavy == 1)
     page.comparing.cancel()
-    await_true(lambda: "cancelled" in page.tab.comparison.content)
+    await_true(lambda: "cancelled" in page.comparing.comparison.content)
     page.workshop.gate.set()
     page.comparing.compare_with(NO_RUN)
     page.comparing.compare_with("one")
-    await_true(lambda: "comparison-table" in page.tab.comparison.content)
+    await_true(lambda: "comparison-table" in page.comparing.comparison.content)
 
 
 def test_a_cancel_ends_a_comparison_that_further_results_have_asked_for_again(page):
@@ -190,7 +203,7 @@ def test_a_cancel_ends_a_comparison_that_further_results_have_asked_for_again(pa
         show_result(page, params=with_m(value))
         await_true(lambda: page.workshop.n_heavy == 1)
     page.comparing.cancel()
-    await_true(lambda: "cancelled" in page.tab.comparison.content)
+    await_true(lambda: "cancelled" in page.comparing.comparison.content)
     show_result(page, params=with_m(93))
     time.sleep(0.05)
     assert page.workshop.n_heavy == 1
@@ -202,7 +215,7 @@ def test_what_nobody_foresaw_is_said_once_and_in_the_log(page, monkeypatch):
     monkeypatch.setattr("stair_inspector.viewer.parts.tune.runs.inspect", lambda *_: 1 / 0)
     for value in (90, 91, 92):
         show_result(page, params=with_m(value))
-        await_true(lambda: "one: an internal error" in page.tab.comparison.content)
+        await_true(lambda: "one: an internal error" in page.comparing.comparison.content)
     await_true(lambda: len(page.desk.told) == 2)
     assert page.desk.told[0] == "a comparison or a sweep failed"
 
@@ -217,31 +230,31 @@ def test_a_sweep_is_not_dropped_for_a_comparison_nor_held_up_by_one(page):
     page.comparing.sweep()
     show_result(page, params=with_m(91))
     page.workshop.gate.set()
-    await_true(lambda: "comparison-table" in page.tab.comparison.content)
-    await_true(lambda: 'data-complete="true"' in page.tab.sweep.content)
-    await_true(lambda: not page.tab.is_sweeping)
+    await_true(lambda: "comparison-table" in page.comparing.comparison.content)
+    await_true(lambda: 'data-complete="true"' in page.comparing.swept.content)
+    await_true(lambda: not page.comparing.stop.visible)
 
 
 def test_a_sweep_that_is_stopped_offers_the_next(page):
     page.workshop.gate.clear()
     page.comparing.sweep()
     await_true(lambda: page.workshop.n_heavy == 1)
-    assert page.tab.is_sweeping
+    assert page.comparing.stop.visible
     page.comparing.stop_sweep()
-    await_true(lambda: not page.tab.is_sweeping)
+    await_true(lambda: not page.comparing.stop.visible)
 
 
 def test_the_sweep_is_in_the_present_unit_and_goes_with_its_scan(page):
     page.comparing.sweep()
-    await_true(lambda: 'data-complete="true"' in page.tab.sweep.content)
-    assert ">mm</text>" in page.tab.sweep.content
+    await_true(lambda: 'data-complete="true"' in page.comparing.swept.content)
+    assert ">mm</text>" in page.comparing.swept.content
     page.desk.unit = "in"
     page.comparing.show()
-    assert ">in</text>" in page.tab.sweep.content
+    assert ">in</text>" in page.comparing.swept.content
     scan = page.desk.shown.inspection.scan
     show_result(page, scan=dataclasses.replace(scan, sha256="f" * 64))
-    assert page.tab.sweep.content == ""
-    assert page.tab.titles == ("#2 first result, 5 steps",), "the history is that of the scan"
+    assert page.comparing.swept.content == ""
+    assert titles_of(page) == ("#2 first result, 5 steps",), "the history is that of the scan"
 
 
 def test_a_run_in_another_unit_is_measured_on_the_scan_read_in_that_unit(page):
@@ -249,7 +262,7 @@ def test_a_run_in_another_unit_is_measured_on_the_scan_read_in_that_unit(page):
     page.comparing._made.clear()
     kept = dataclasses.replace(page.editor.work.runs[0], params=PARAMS.replaced("unit", "mm"))
     page.editor.edit("", lambda work: {"runs": (kept,)})
-    await_true(lambda: "comparison-table" in page.tab.comparison.content)
+    await_true(lambda: "comparison-table" in page.comparing.comparison.content)
     assert page.workshop.asked == [("folder/stair.ply", "mm")]
 
 
@@ -258,6 +271,6 @@ def test_no_two_options_of_a_menu_are_the_same(page, name):
     page.editor.work.runs = (SimpleNamespace(name=name, params=Params()),)
     page.editor.work.runs += (SimpleNamespace(name="#1 first result, 5 steps", params=Params()),)
     page.comparing.show()
-    options = (NO_RUN, AS_SHOWN, *page.tab.titles)
+    options = (NO_RUN, AS_SHOWN, *titles_of(page))
     assert len(set(options)) == len(options)
     assert "#1 first result, 5 steps (history)" in options

@@ -11,7 +11,7 @@ from stair_inspector.files.palettes import read_palette
 from stair_inspector.model import Note
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.markup import pick_script
-from stair_inspector.viewer.parts.steps import html
+from stair_inspector.viewer.parts import html
 from stair_inspector.viewer.parts.tune import histogram
 from tests.synthetic import Stair, exact_params, make_scan
 
@@ -200,7 +200,7 @@ def test_the_details_name_the_settings_that_were_used_and_every_note(inspection)
     noted = dataclasses.replace(
         inspection, notes=(Note("a", "read", "first"), Note("b", "levels", "second")), timings_s={"levels": 0.0123}
     )
-    page = Page(html.details_html(noted))
+    page = Page(html.details_html(noted) + html.notes_html(noted))
     used = ["survey", "θ_th 15°", "ε_z 20 mm", "m 50", "α 95/5 %", "sides 99 %", "normals given", "given", "unit m"]
     assert [part for part in used if part not in page.words] == []
     assert [item["title"] for item in page.of("li")] == ["a", "b"]
@@ -213,6 +213,7 @@ def test_nothing_that_comes_from_a_file_becomes_markup(inspection):
     sources = [
         html.header_html(HOSTILE, 10, 5),
         html.details_html(hostile),
+        html.notes_html(hostile),
         html.state_html(quiet, busy=None, error=HOSTILE, is_stale=False),
         html.state_html(quiet, busy=HOSTILE, error=None, is_stale=False),
     ]

@@ -30,6 +30,7 @@ from stair_inspector.pictures.segmentation import SegmentedScene, draw, is_left_
 from stair_inspector.viewer.parts.desk import Desk, Shown
 from stair_inspector.viewer.scene.framing import beside, free_part, raised
 from stair_inspector.viewer.scene.stage import MODES
+from stair_inspector.viewer.state.change import PageChange
 
 SMALLEST_POINT_MM, LARGEST_POINT_MM = 0.1, 100.0
 _LARGEST_DISC = 1.0 / 150.0
@@ -50,7 +51,7 @@ class _Framed:
     position: Floats
 
 
-class Looking:
+class SceneLook:
     """Everything about the picture that is no result. Callers hold the desk's lock.
 
     ``mode`` of the colours, ``is_shaded`` and ``percent`` of the points belong to the page and not to the project.
@@ -72,6 +73,7 @@ class Looking:
         self.legend: Legend | None = None
         self._normals: tuple[Scan, Floats] | None = None
         self._crease: tuple[Display, Floats] | None = None
+        self._prepared: tuple[Shown, SegmentedScene] | None = None
 
     # Points and their colours.
 
@@ -98,18 +100,31 @@ class Looking:
         """Switch the light and the darker creases on or off."""
         self.is_shaded = bool(is_shaded)
 
-    def drawing(self, shown: Shown, *, with_rejected: bool) -> SegmentedScene:
+    def prepare(self, shown: Shown) -> None:
+        """Make what is drawn of a result that is about to be shown: if that fails, the last one stays."""
+        self._prepared = (shown, self._draw(shown))
+
+    def drawing(self, shown: Shown) -> SegmentedScene:
         """Return what is drawn of a result in the present colours; their legend is remembered."""
+        prepared, self._prepared = self._prepared, None
+        return prepared[1] if prepared is not None and prepared[0] is shown else self._draw(shown)
+
+    def show_scan(self, shown: Shown) -> None:
+        """Put the points of a result's scan into an empty scene, standing upright."""
+        size_m = self.point_size_of(shown.display)
+        self._desk.stage.show_scan(shown.display, view_from_local(shown.inspection), size_m)
+
+    def _draw(self, shown: Shown) -> SegmentedScene:
         return draw(
             shown.inspection,
             shown.display,
             shown.scan.points,
             self._desk.palette,
-            with_rejected=with_rejected,
-            colors=self.colors(shown, shown.display, with_rejected=with_rejected),
+            with_rejected=self._desk.with_rejected,
+            colors=self.colors(shown, shown.display),
         )
 
-    def colors(self, shown: Shown, display: Display, *, with_rejected: bool) -> Colors:
+    def colors(self, shown: Shown, display: Display) -> Colors:
         """Return the colours of displayed points."""
         axes = view_from_local(shown.inspection)
         normals = self._normals[1] if self._normals is not None and self._normals[0] is shown.scan else None
@@ -120,7 +135,7 @@ class Looking:
             self._desk.palette,
             normals=normals,
             axes=axes,
-            with_rejected=with_rejected,
+            with_rejected=self._desk.with_rejected,
         )
         self.legend = coloring.legend
         if not self.is_shaded or normals is None:
@@ -146,6 +161,12 @@ class Looking:
         return self._crease[1]
 
     # Modes and views.
+
+    def choose_mode(self, option: str) -> None:
+        """Show the raw cloud, the steps, or both, and say so on the page."""
+        with self._desk.lock:
+            self.set_mode(option)
+            self._desk.changed(PageChange.MODE)
 
     def set_mode(self, option: str) -> None:
         """Show the raw cloud, the steps, or both side by side; the camera goes on looking at the same spot."""

@@ -3,13 +3,13 @@
 import dataclasses
 import uuid
 from collections.abc import Callable
-from typing import Any
 
 import viser
 
 from stair_inspector.overrules import OverrulesParams
+from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.notices import Notices
-from stair_inspector.viewer.parts.panel import Panel
+from stair_inspector.viewer.bridge.widgets import File
 from stair_inspector.viewer.state.library import Library
 from stair_inspector.viewer.state.work import Keeper, KeptWishes, OpenPage, Wish, Work, work_beside, work_of
 
@@ -30,7 +30,7 @@ class Opening:
         client: viser.ClientHandle,
         library: Library,
         keeper: Keeper,
-        panel: Panel,
+        controls: SettingControls,
         notices: Notices,
         started: Work,
         kept: KeptWishes,
@@ -39,7 +39,7 @@ class Opening:
         self._client = client
         self._library = library
         self._keeper = keeper
-        self._panel = panel
+        self._controls = controls
         self._notices = notices
         self._started = started
         self._kept = kept
@@ -53,13 +53,12 @@ class Opening:
         if wish is not None:
             self._uploads = wish.uploads
             self._keeper.take_up(wish)
-            self._panel.controls.load(self._keeper.work.params)
+            self._controls.load(self._keeper.work.params)
         else:
             labels = self._library.labels()
             self._open(last if last in labels else labels[0], self._started)
         if self._browser_id is not None:
             self._kept.arrive(self._browser_id, self._page)
-        self.show()
 
     def leave(self) -> None:
         """Keep the work for the page that this browser opens next."""
@@ -84,22 +83,21 @@ class Opening:
         if label == keeper.label:
             return False
         if keeper.has(label):
-            self._panel.controls.load(keeper.turn_to(label).params)
+            self._controls.load(keeper.turn_to(label).params)
         else:
             self._open(label, work_beside(keeper.work, self._started))
         if label not in self._uploads:
             self._client.local_storage.set_item(_SCAN_KEY, label)
         return True
 
-    def look_for_scans(self) -> None:
-        """Look into the folders again."""
+    def look_for_scans(self) -> tuple[int, int]:
+        """Look into the folders again; return how many scans are new, and how many there are."""
         before = self._library.labels(self._uploads)
         self._library.refresh()
-        self.show()
         now = self._library.labels(self._uploads)
-        self._notices.tell("Scans", f"{len(set(now) - set(before))} new, {len(now)} in the menu")
+        return len(set(now) - set(before)), len(now)
 
-    def keep_upload(self, file: Any) -> str:
+    def keep_upload(self, file: File) -> str:
         """Keep an uploaded scan and return its name in the menu."""
         while self._library.is_full() and self._kept.forget_oldest_uploads():
             continue
@@ -107,11 +105,10 @@ class Opening:
         self._uploads = (*self._uploads, label)
         return label
 
-    def show(self) -> None:
-        """List the scans and show which is open."""
+    def labels(self) -> tuple[str, ...]:
+        """Return the names of the scans that can be chosen; a file that is gone stays on a page that has it open."""
         labels, label = self._library.labels(self._uploads), self._keeper.label
-        # A file that is gone from its folder stays in the menu of a page that has it open.
-        self._panel.scan.offer(labels if label in labels else (*labels, label), label)
+        return labels if label in labels else (*labels, label)
 
     def is_of(self, label: str, sha256: str) -> bool:
         """Return whether the work on a scan was done on these bytes; what was done on others is put aside."""
@@ -135,7 +132,7 @@ class Opening:
             keeper.put_aside(label, after, path, "begun anew: the file has changed", is_changed=is_new)
             keeper.know_scan(label, sha256)
             if label == keeper.label:
-                self._panel.controls.load(after.params)
+                self._controls.load(after.params)
         place = left.name if left is not None else "the work"
         if is_saved:
             words = f"{place} was made on another state of this file; it is left as it is, and " + (
@@ -162,7 +159,7 @@ class Opening:
         if words:
             self._notices.tell("Your work is back" if project is not None else "Saving", words)
         self._keeper.begin(label, scan, work, path, project.scan_sha256 if project is not None else "")
-        self._panel.controls.load(work.params)
+        self._controls.load(work.params)
 
     def _recall(self) -> tuple[Wish | None, str | None]:
         """Return what a page of this browser that has gone was at, or else the name of the scan it had last."""

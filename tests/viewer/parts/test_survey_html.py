@@ -9,8 +9,8 @@ from stair_inspector.pictures.coloring import rejected_of
 from stair_inspector.pictures.display import REJECTED_COLOR
 from stair_inspector.pictures.segmentation import MOST_REJECTED
 from stair_inspector.viewer.bridge.markup import pick_script
-from stair_inspector.viewer.parts.steps import html, survey_html
-from stair_inspector.viewer.parts.steps.survey_html import (
+from stair_inspector.viewer.parts import html, survey_html
+from stair_inspector.viewer.parts.survey_html import (
     LAST_OF_FLIGHT,
     NOT_OBSERVED,
     card_html,
@@ -19,7 +19,7 @@ from stair_inspector.viewer.parts.steps.survey_html import (
     rejected_html,
 )
 from stair_inspector.viewer.parts.tune import histogram
-from tests.viewer.parts.steps.test_html import HOSTILE, Page
+from tests.viewer.parts.test_html import HOSTILE, Page
 from tests.viewer.surveyed import PALETTE, surveyed
 
 

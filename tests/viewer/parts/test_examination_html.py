@@ -10,11 +10,11 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.model import Observation
 from stair_inspector.params import Params
 from stair_inspector.viewer.bridge.markup import list_key, pick_script
+from stair_inspector.viewer.parts import html
+from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.desk import Desk
-from stair_inspector.viewer.parts.steps import html
-from stair_inspector.viewer.parts.steps.examination_html import CURE, examination_html, headline_html, offered_cures
-from stair_inspector.viewer.parts.steps.verdicts import Deciding
-from tests.viewer.parts.steps.test_html import HOSTILE, Page
+from stair_inspector.viewer.parts.examination_html import CURE, examination_html, headline_html, offered_cures
+from tests.viewer.parts.test_html import HOSTILE, Page
 from tests.viewer.surveyed import PALETTE, surveyed
 
 ASKED = Observation("up_unsure", "question", "two ways to read it", None, "--up=z or --up=-y")
@@ -75,14 +75,15 @@ def test_a_press_takes_the_settings_and_a_late_one_is_refused():
     desk = Desk(SimpleNamespace(atomic=contextlib.nullcontext), None, (PALETTE, PALETTE), None)
     desk.shown = SimpleNamespace(inspection=of(ASKED))
     editor = SimpleNamespace(adjust=lambda change, words: taken.append((change(Params()).up, words)))
-    deciding = Deciding(desk, None, None, None, editor)
+    widgets = SimpleNamespace(orders=lambda label, on_order: "id")
+    cures = Cures(SimpleNamespace(desk=desk, editor=editor, widgets=widgets))
     key = list_key(offered_cures(of(ASKED)))
-    deciding.take_cure(f"{CURE} {key} 2:1700")
+    cures.take(f"{CURE} {key} 2:1700")
     assert taken == [("-y", "up is -y")]
     desk.shown = SimpleNamespace(inspection=of(SPARSE))
     for late in (f"{CURE} {key} 2:1700", f"{CURE} {key} 9:1", f"{CURE} x:1"):
         with pytest.raises(ConfigError):
-            deciding.take_cure(late)
+            cures.take(late)
     assert len(taken) == 1
 
 

@@ -12,7 +12,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.cameras import FOV_RAD, VIEWS, Pose, frame_view
 from stair_inspector.pictures.segmentation import view_from_local
 from stair_inspector.viewer.parts.desk import Desk
-from stair_inspector.viewer.parts.look.studio import camera_wxyz, studio
+from stair_inspector.viewer.parts.studio import camera_wxyz, studio
 from stair_inspector.viewer.scene.stage import Stage
 from tests.viewer.surveyed import surveyed
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from stair_inspector.pictures.cameras import ORTHO_FOV_RAD, Pose
-from stair_inspector.viewer.parts.look.studio import place_camera
+from stair_inspector.viewer.parts.studio import place_camera
+from tests.viewer.parts_of import part_of
 
 AWAY = Pose(np.array([16.0, -25.6, 16.4]), np.array([0.0, 0.5, 0.5]), np.array([0.0, 0.0, 1.0]))
 """Where a picture is taken."""
@@ -20,7 +21,7 @@ def stands(session):
 
 def turn_by_hand(session):
     """Stand in front of the stair, a little aside."""
-    session.looking.set_view("Front")
+    session.look.set_view("Front")
     camera = session.desk.client.camera
     camera.position = np.array(camera.position) + np.array([0.3, 0.2, 0.1])
     return stands(session)
@@ -30,8 +31,8 @@ def turn_by_hand(session):
 def pictured(session):
     """Take a picture with the camera of a page and put it back, as the studio does."""
     client = session.desk.client
-    before, fov_rad = session.looking.camera()
-    with session.looking.lent():
+    before, fov_rad = session.look.camera()
+    with session.look.lent():
         place_camera(client, AWAY, ORTHO_FOV_RAD)
         try:
             yield
@@ -40,11 +41,11 @@ def pictured(session):
 
 
 def switch_ortho(session):
-    session.looking.set_ortho(True)
+    session.look.set_ortho(True)
 
 
 def stand_side_by_side(session):
-    session.looking.set_mode("Side by side")
+    session.look.set_mode("Side by side")
 
 
 def go_in_two_ways(session):
@@ -53,7 +54,7 @@ def go_in_two_ways(session):
 
 
 def look_along_a_measurement(session):
-    session.toolbar.measure._look_at(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+    part_of(session, "look").measure._look_at(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
 
 
 @pytest.mark.parametrize("act", [switch_ortho, stand_side_by_side, go_in_two_ways, look_along_a_measurement])
@@ -61,8 +62,8 @@ def test_what_is_done_while_a_picture_is_taken_ends_where_it_would_without(sessi
     by_hand = turn_by_hand(session)
     act(session)
     wanted = stands(session)
-    session.looking.set_mode("Segmented")
-    session.looking.set_ortho(False)
+    session.look.set_mode("Segmented")
+    session.look.set_ortho(False)
     np.testing.assert_allclose(turn_by_hand(session), by_hand, atol=1e-6)
     with pictured(session):
         act(session)
@@ -72,10 +73,10 @@ def test_what_is_done_while_a_picture_is_taken_ends_where_it_would_without(sessi
 
 def test_a_view_that_is_kept_while_a_picture_is_taken_is_the_inspectors(session):
     turn_by_hand(session)
-    session.toolbar.views.keep()
+    part_of(session, "look").views.keep()
     with pictured(session):
-        session.toolbar.views.keep()
-    first, second = session.work.views
+        part_of(session, "look").views.keep()
+    first, second = session.editor.work.views
     for name in ("position_m", "look_at_m", "up", "fov_deg"):
         assert getattr(second, name) == pytest.approx(getattr(first, name), abs=1e-9)
 
@@ -88,7 +89,7 @@ def test_a_view_that_was_turned_by_hand_is_still_that_after_a_picture(session):
 
 
 def test_a_standard_view_that_was_chosen_meanwhile_stays_one(session):
-    looking = session.looking
+    looking = session.look
     turn_by_hand(session)
     with pictured(session):
         looking.set_view("Top")
@@ -99,7 +100,7 @@ def test_a_standard_view_that_was_chosen_meanwhile_stays_one(session):
 
 
 def test_a_standard_view_stays_one_in_a_mode_that_is_chosen_meanwhile(session):
-    looking = session.looking
+    looking = session.look
     looking.set_view("Front")
     stand_side_by_side(session)
     wanted = stands(session)
@@ -116,4 +117,4 @@ def test_after_a_picture_the_camera_is_the_pages_again(session):
         pass
     camera = session.desk.client.camera
     camera.position = np.array(camera.position) + 0.25
-    np.testing.assert_allclose(session.looking.pose().position, camera.position)
+    np.testing.assert_allclose(session.look.pose().position, camera.position)

@@ -5,7 +5,6 @@ and dark both read well.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import Literal
 
 from stair_inspector.content.document import Tone
 from stair_inspector.content.remarks import n_to_look_at, needs_look, on_page
@@ -31,12 +30,12 @@ from stair_inspector.viewer.bridge.markup import (
     text,
 )
 from stair_inspector.viewer.bridge.styles import DIMMED_RESULTS, NARROW_TABS
-from stair_inspector.viewer.parts.steps import survey_html
+from stair_inspector.viewer.parts import survey_html
+from stair_inspector.viewer.parts.desk import Columns
 from stair_inspector.viewer.scene.stage import PAPER_EDGES
 from stair_inspector.viewer.scene.step_marks import MARKED, TONE_RGB, StepMark, mark_html
 
-Columns = Literal["survey", "paper"]
-
+_DETAILS = 'class="si-results" style="font-size:11.5px;line-height:1.4;padding:2px 9px;overflow-wrap:anywhere'
 COLUMNS: tuple[Columns, ...] = ("survey", "paper")
 _PAPER_COLUMNS = (
     ("#", "", "Step, from bottom to top"),
@@ -193,24 +192,24 @@ def state_html(
     return f'<div data-testid="status" style="{style}">{"".join(lines)}</div>'
 
 
-def details_html(inspection: Inspection | None) -> str:
-    """Return the notes, the settings that were used and the time per stage of a result."""
-    if inspection is None:
-        return '<div data-testid="details"></div>'
-    lines = []
+def notes_html(inspection: Inspection | None) -> str:
+    """Return the notes on a result, or nothing."""
     notes = "".join(
         f'<li style="padding:1px 0{";list-style-type:&quot;▲ &quot;" if needs_look(note) else ""}" '
         f'title="{text(note.code)}">{text(on_page(note.message))}</li>'
-        for note in inspection.notes
+        for note in (inspection.notes if inspection is not None else ())
     )
-    if notes:
-        lines.append(f'<ul data-testid="notes" style="margin:0 0 4px;padding-left:16px">{notes}</ul>')
-    lines.append(f'<div data-testid="used" style="color:{DIM}">{text(used_text(inspection))}</div>')
-    lines.append(f'<div data-testid="timings" style="color:{DIM}">{_timings(inspection.timings_s)}</div>')
+    return f'<ul data-testid="notes" {_DETAILS};padding-left:25px;margin:0 0 4px">{notes}</ul>' if notes else ""
+
+
+def details_html(inspection: Inspection | None) -> str:
+    """Return the settings that were used and the time per stage of a result."""
+    if inspection is None:
+        return '<div data-testid="details"></div>'
     return (
-        '<div data-testid="details" class="si-results" style="font-size:11.5px;line-height:1.4;padding:2px 9px;'
-        'overflow-wrap:anywhere">'
-        f"{''.join(lines)}</div>"
+        f'<div data-testid="details" {_DETAILS}">'
+        f'<div data-testid="used" style="color:{DIM}">{text(used_text(inspection))}</div>'
+        f'<div data-testid="timings" style="color:{DIM}">{_timings(inspection.timings_s)}</div></div>'
     )
 
 
