@@ -318,7 +318,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         definition="tread depth less going, square to the nosing above",
         label="overhang",
         words="nosing overhang",
-        code_term="nosing projection (US)",
+        code_term="nosing projection (US), tread overlap (UK)",
         of_step=lambda step, _: step.nosing_overhang_m,
         made_of=("tread_depth", "going"),
         rests_on="to_next",
@@ -357,6 +357,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity(
         name="two_r_plus_g",
         definition="twice the rise to the step and its going",
+        code_term="twice the rise plus the going (UK), 2R + G (AU)",
         label="2R + G",
         of_step=_two_r_plus_g,
         made_of=("rise", "going"),
@@ -386,6 +387,7 @@ QUANTITIES: tuple[Quantity, ...] = (
             unit="tangent",
             definition=f"slope of a {kind} in its steepest direction",
             label=f"slope of {kind}s",
+            code_term=f"slope of the walking surface of {kind}s (US)",
             of_step=_steepest,
             made_of=("fall", "cross_fall"),
             is_size=False,
@@ -400,6 +402,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity(
         name="flight_rise",
         definition="sum of a flight's rises",
+        code_term="vertical rise of a flight (US)",
         label="total rise",
         of_flight=_flight_rise,
     ),
@@ -414,6 +417,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         name="n_risers",
         unit="count",
         definition="number of risers of a flight, those of missing treads included",
+        code_term="risers in a flight (AU)",
         label="number of risers",
         of_flight=lambda flight, _: Measured(float(flight.n_risers), 0.0),
         is_size=False,
@@ -428,7 +432,7 @@ PAPER_QUANTITIES: tuple[PaperQuantity, ...] = (
         "m",
         "h",
         "Height h",
-        "Height from this centroid to the next: (c_k+1 - c_k) · u",
+        "height from this centroid to the next: (c_k+1 - c_k) · u",
         lambda paper: paper.h_m,
         survey="rise",
     ),
@@ -437,7 +441,7 @@ PAPER_QUANTITIES: tuple[PaperQuantity, ...] = (
         "m",
         "d_FB",
         "Front to back d_FB",
-        "Depth front to back: f_k - b_k",
+        "depth front to back: f_k - b_k",
         lambda paper: paper.d_fb_m,
         survey="tread_depth",
     ),
@@ -446,25 +450,25 @@ PAPER_QUANTITIES: tuple[PaperQuantity, ...] = (
         "m",
         "d_FF",
         "Front to front d_FF",
-        "Depth front to front: |f_k+1 - f_k|",
+        "depth front to front: |f_k+1 - f_k|",
         lambda paper: paper.d_ff_m,
         survey="going",
     ),
-    PaperQuantity("w", "m", "W", "Width W", "Width between the side edges", lambda paper: paper.w_m, survey="width"),
+    PaperQuantity("w", "m", "W", "Width W", "width between the side edges", lambda paper: paper.w_m, survey="width"),
     PaperQuantity(
         "theta",
         "deg",
         "θ",
         "Angle θ",
-        "Slope from this centroid to the next against the plane",
+        "slope from this centroid to the next against the plane",
         lambda paper: paper.theta_deg,
         survey="pitch",
     ),
     PaperQuantity(
-        "f", "m", "f", "Front edge f", "Depth coordinate of the front edge", lambda paper: paper.f_m, is_shown=False
+        "f", "m", "f", "Front edge f", "depth coordinate of the front edge", lambda paper: paper.f_m, is_shown=False
     ),
     PaperQuantity(
-        "b", "m", "b", "Back edge b", "Depth coordinate of the back edge", lambda paper: paper.b_m, is_shown=False
+        "b", "m", "b", "Back edge b", "depth coordinate of the back edge", lambda paper: paper.b_m, is_shown=False
     ),
 )
 """Every quantity of the paper's method, in the order of the files' columns."""
