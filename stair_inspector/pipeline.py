@@ -10,9 +10,9 @@ from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
 from stair_inspector.stages.bars import join_bars
 from stair_inspector.stages.beyond import note_what_goes_on
-from stair_inspector.stages.causes import is_too_coarse, with_cause
 from stair_inspector.stages.dither import spread_steps
 from stair_inspector.stages.examine import examine, with_questions
+from stair_inspector.stages.hopeless import is_too_coarse, with_cause
 from stair_inspector.stages.impossible import take_out_impossible
 from stair_inspector.stages.nosings import find_shapes
 from stair_inspector.stages.patches import split_levels

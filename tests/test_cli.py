@@ -17,7 +17,8 @@ import stair_inspector
 from stair_inspector import cli, stability
 from stair_inspector.errors import ConfigError, MissingLibrary
 from stair_inspector.files.ply import ply_bytes
-from stair_inspector.files.projects import KeptRun, Measurement, Project, save_project
+from stair_inspector.files.project_files import save_project
+from stair_inspector.files.projects import KeptRun, Measurement, Project
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import list_presets, params_to_dict
 from stair_inspector.params import SETTINGS, Params

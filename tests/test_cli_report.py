@@ -11,7 +11,8 @@ from stair_inspector.codes.rules import Limit
 from stair_inspector.content.fields import ReportBasis, ReportFields, basis_to_dict
 from stair_inspector.content.readings import TapeReading
 from stair_inspector.files.chosen_rules import ChosenRules
-from stair_inspector.files.projects import Project, save_project
+from stair_inspector.files.project_files import save_project
+from stair_inspector.files.projects import Project
 from stair_inspector.params import Params
 from tests.test_cli import refusal, run, stair_file  # noqa: F401 - fixtures
 

@@ -21,8 +21,8 @@ from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.quantities import SURVEY_VALUES
 from stair_inspector.simulate.scanner import scan as scan_building
+from stair_inspector.simulate.scanner_specs import PROFILES
 from stair_inspector.simulate.scenes import SCENES
-from stair_inspector.simulate.specs import PROFILES
 from stair_inspector.simulate.staircase import build
 from tests.benchmarks.accuracy import CASES, EVEN, QUANTITIES, found_values, match, simulate, true_values
 from tests.synthetic import Stair, exact_params, make_scan, motion, rotation

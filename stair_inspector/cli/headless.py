@@ -75,7 +75,7 @@ def given_project(command: str, args: list[str]) -> "Project | None":
         return None
     if value_of(args, "--preset") is not None:
         raise ConfigError(f"{command}: got --project and --preset, which both state every setting; give one of them")
-    from stair_inspector.files.projects import read_project
+    from stair_inspector.files.project_files import read_project
 
     return read_project(Path(name))
 

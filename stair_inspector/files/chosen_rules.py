@@ -8,7 +8,7 @@ import dataclasses
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import get_args
 
 from stair_inspector.codes import Decision, Limit, Rule, RuleEdit, RuleSet, edited, overlaid
 from stair_inspector.codes.phrases import limit_words
@@ -17,14 +17,11 @@ from stair_inspector.errors import ConfigError, brief, is_one_line
 from stair_inspector.files.rule_sets import list_rule_sets, parse_rule_set
 from stair_inspector.files.toml import check_keys
 
-_MOST_FILES = 20
-_MOST_OVERLAYS = 20
-_MOST_EDITS = 500
+MOST_FILES = 20
+MOST_OVERLAYS = 20
+MOST_EDITS = 500
 _LONGEST_NAME = 200
-_MOST_LEFT = 200
-_KEYS = ("set", "overlays", "decision", "edits", "files")
-_LATER_KEYS = ("left",)
-_EDIT_KEYS = ("rule", "side", "before", "after", "reason")
+MOST_LEFT = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,16 +120,16 @@ class ChosenRules:
         for each in self.left:
             for overlay_id in each.overlay_ids:
                 check_id("rules: left: overlay", overlay_id)
-            if len(each.overlay_ids) > _MOST_OVERLAYS:
-                raise ConfigError(f"rules: left: {len(each.overlay_ids)} overlays; keep at most {_MOST_OVERLAYS}")
-        limits = (("overlay_ids", _MOST_OVERLAYS), ("edits", _MOST_EDITS), ("files", _MOST_FILES), ("left", _MOST_LEFT))
+            if len(each.overlay_ids) > MOST_OVERLAYS:
+                raise ConfigError(f"rules: left: {len(each.overlay_ids)} overlays; keep at most {MOST_OVERLAYS}")
+        limits = (("overlay_ids", MOST_OVERLAYS), ("edits", MOST_EDITS), ("files", MOST_FILES), ("left", MOST_LEFT))
         for name, most in limits:
             if len(getattr(self, name)) > most:
                 raise ConfigError(f"rules: {len(getattr(self, name))} {name}; keep at most {most}")
         seen = {self.set_id}
         for each in self.left:
             check_id("rules: left: set", each.set_id)
-            if each.set_id in seen or not 0 < len(each.edits) <= _MOST_EDITS:
+            if each.set_id in seen or not 0 < len(each.edits) <= MOST_EDITS:
                 raise ConfigError(
                     f"rules: left: the changes of {each.set_id} are none, too many, or there already; remove them"
                 )
@@ -270,45 +267,6 @@ def limit_of(rule: Rule, side: Side) -> Limit | None:
     return rule.minimum if side == "minimum" else rule.maximum
 
 
-def chosen_to_dict(chosen: ChosenRules) -> dict[str, Any]:
-    """Return a choice as the plain values of a project file."""
-    values: dict[str, Any] = {
-        "set": chosen.set_id,
-        "overlays": list(chosen.overlay_ids),
-        "decision": chosen.decision,
-        "edits": [_edit_to_dict(edit) for edit in chosen.edits],
-        "files": [{"name": file.name, "text": file.text} for file in chosen.files],
-    }
-    if chosen.left:
-        values["left"] = [_left_to_dict(each) for each in chosen.left]
-    return values
-
-
-def chosen_from_dict(values: object, place: str = "rules") -> ChosenRules:
-    """Return what :func:`chosen_to_dict` wrote.
-
-    Raises
-    ------
-    ConfigError
-        An unknown or missing key (the nearest known name is given), or a value that is not possible.
-    """
-    table = _table(values, place, _KEYS, _LATER_KEYS)
-    return ChosenRules(
-        set_id=table["set"],
-        overlay_ids=tuple(_list(table["overlays"], place, "overlays", _MOST_OVERLAYS)),
-        decision=table["decision"],
-        edits=_to_edits(table["edits"], place),
-        files=tuple(
-            _to_file(entry, f"{place}: file {number}")
-            for number, entry in enumerate(_list(table["files"], place, "files", _MOST_FILES), 1)
-        ),
-        left=tuple(
-            _to_left(entry, f"{place}: left {number}")
-            for number, entry in enumerate(_list(table.get("left", []), place, "left", _MOST_LEFT), 1)
-        ),
-    )
-
-
 @functools.cache
 def _shipped() -> dict[str, RuleSet]:
     return {rule_set.set_id: rule_set for rule_set in list_rule_sets()}
@@ -360,86 +318,3 @@ def _check_sides(rule: Rule, side: Side, limit: Limit | None, *, is_reported: bo
             f"edit a limit: a {side} of {limit.text} is {relation} the {other_side} of {rule.rule_id}, {other.text}; "
             f"give another {side}, or change the {other_side} first"
         )
-
-
-def _left_to_dict(left: LeftEdits) -> dict[str, Any]:
-    values: dict[str, Any] = {"set": left.set_id, "edits": [_edit_to_dict(edit) for edit in left.edits]}
-    if left.overlay_ids:
-        values["overlays"] = list(left.overlay_ids)
-    return values
-
-
-def _edit_to_dict(edit: RuleEdit) -> dict[str, Any]:
-    return {
-        "rule": edit.rule_id,
-        "side": edit.side,
-        "before": _limit_to_dict(edit.before),
-        "after": _limit_to_dict(edit.after),
-        "reason": edit.reason,
-    }
-
-
-def _limit_to_dict(limit: Limit | None) -> dict[str, str] | None:
-    return None if limit is None else {"written": limit.written, "unit": limit.unit}
-
-
-def _to_limit(value: object, place: str) -> Limit | None:
-    if value is None:
-        return None
-    table = _table(value, place, ("written", "unit"))
-    if not isinstance(table["written"], str) or not isinstance(table["unit"], str):
-        raise ConfigError(f"{place}: got {brief(value)}; give two texts, as '7 3/4' and 'in'")
-    try:
-        return Limit.of(table["written"], table["unit"])
-    except ConfigError as error:
-        raise ConfigError(f"{place}: {error}") from error
-
-
-def _to_edits(value: object, place: str) -> tuple[RuleEdit, ...]:
-    entries = _list(value, place, "edits", _MOST_EDITS)
-    return tuple(_to_edit(entry, f"{place}: edit {number}") for number, entry in enumerate(entries, 1))
-
-
-def _to_left(value: object, place: str) -> LeftEdits:
-    table = _table(value, place, ("set", "edits"), ("overlays",))
-    overlay_ids = tuple(_list(table.get("overlays", []), place, "overlays", _MOST_OVERLAYS))
-    return LeftEdits(table["set"], _to_edits(table["edits"], place), overlay_ids)
-
-
-def _to_edit(value: object, place: str) -> RuleEdit:
-    table = _table(value, place, _EDIT_KEYS)
-    check_id(f"{place}: rule", table["rule"])
-    if table["side"] not in get_args(Side):
-        raise ConfigError(f"{place}: side: got {brief(table['side'])}; give minimum or maximum")
-    reason = table["reason"]
-    if not isinstance(reason, str) or not reason.strip() or not is_one_line(reason):
-        raise ConfigError(f"{place}: reason: got {brief(reason)}; give one line of text")
-    before, after = (_to_limit(table[name], f"{place}: {name}") for name in ("before", "after"))
-    return RuleEdit(table["rule"], table["side"], before, after, reason)
-
-
-def _to_file(value: object, place: str) -> RuleFile:
-    table = _table(value, place, ("name", "text"))
-    try:
-        return RuleFile(table["name"], table["text"])
-    except ConfigError as error:
-        raise ConfigError(f"{place}: {error}") from error
-
-
-def _table(value: object, place: str, keys: tuple[str, ...], later: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Return a table that has these keys, and no others but the later ones."""
-    if not isinstance(value, dict):
-        raise ConfigError(f"{place}: got {brief(value)}; give a table with {', '.join(keys)}")
-    check_keys(place, value, (*keys, *later))
-    missing = [key for key in keys if key not in value]
-    if missing:
-        raise ConfigError(f"{place}: the key {missing[0]!r} is missing; give it, or another file")
-    return value
-
-
-def _list(value: object, place: str, name: str, most: int) -> list[Any]:
-    if not isinstance(value, list):
-        raise ConfigError(f"{place}: {name}: got {brief(value)}; give a list")
-    if len(value) > most:
-        raise ConfigError(f"{place}: {len(value)} {name}; keep at most {most}")
-    return value

@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from stair_inspector.simulate.specs import PROFILES, Scanner, Stair
+from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulate.specs import Stair
 
 DEFAULT_SAMPLE = "straight"
 """The sample that the program opens when it is given no scan."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Point
 from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL
-from stair_inspector.simulate.layout import Flat
+from stair_inspector.simulate.footprints import Flat
 from stair_inspector.simulate.shapes import COLOURS, Building, BuildingPart, BuiltSurface, Shapes
 
 _WALL_M = 2.5

@@ -8,7 +8,8 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints, Point, own
 from stair_inspector.model import NON_STAIR_LABEL
-from stair_inspector.simulate.layout import Flat, StepTruth
+from stair_inspector.simulate.footprints import Flat
+from stair_inspector.simulate.layout import StepTruth
 from stair_inspector.simulate.specs import Stair
 
 BuildingPart = Literal[

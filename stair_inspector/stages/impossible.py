@@ -14,7 +14,8 @@ from stair_inspector.model import BLURRED, IMPOSSIBLE, Examination, Flight, Note
 from stair_inspector.params import FlightsParams
 from stair_inspector.quantities import IN_TABLE, OF_STEP, Quantity, RestsOn
 from stair_inspector.stages.blurred import find_blurred
-from stair_inspector.stages.survey import Survey, statistics_of
+from stair_inspector.stages.flight_values import statistics_of
+from stair_inspector.stages.survey import Survey
 
 
 def _fields_of(*kinds: RestsOn) -> tuple[str, ...]:

@@ -17,10 +17,10 @@ from stair_inspector.geometry.slots import Sides, find_slots, with_common_slots
 from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, Note, Patches, Surface
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.bars import surface_of_rows
+from stair_inspector.stages.climbs import straight_climb
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.foot import without_floor_strips
 from stair_inspector.stages.links import depth_along, height_at
-from stair_inspector.stages.nosings import straight_climb
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.runners import bare_treads
 

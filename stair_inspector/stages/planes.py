@@ -6,8 +6,8 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints, freeze, project
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Horizontal, LocalPlane, Surface
-from stair_inspector.stages.patches import fit_trimmed
 
 STRIP_M = 0.6
 """Of a floor or landing only so much counts: beyond, it may lean otherwise."""

@@ -15,10 +15,10 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Floats
 from stair_inspector.geometry.strips import Strip, find_strip
+from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Chain, Chains, Horizontal, Note, Patches, Surface
 from stair_inspector.stages.bars import surface_of_rows
-from stair_inspector.stages.nosings import straight_climb
-from stair_inspector.stages.patches import fit_trimmed
+from stair_inspector.stages.climbs import straight_climb
 from stair_inspector.stages.planes import STRIP_M
 
 _MOST_TO_FIT = 8000

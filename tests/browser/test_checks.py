@@ -5,7 +5,7 @@ import pytest
 from stair_inspector.codes import Limit, check, edited, gravest, overlaid
 from stair_inspector.codes.phrases import value_text
 from stair_inspector.files.paths import static_configs
-from stair_inspector.files.projects import parse_project
+from stair_inspector.files.project_files import parse_project
 from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.viewer.parts.checks.rule_menus import NO_OVERLAY, NO_RULES
 from stair_inspector.viewer.scene.step_marks import marks_of

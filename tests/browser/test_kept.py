@@ -8,7 +8,7 @@ import weakref
 
 import pytest
 
-from stair_inspector.files.projects import read_project
+from stair_inspector.files.project_files import read_project
 from stair_inspector.params import Params
 from stair_inspector.viewer.app import App
 from tests.browser.inspector_page import SETTLE_MS, InspectorPage

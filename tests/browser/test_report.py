@@ -15,7 +15,7 @@ from stair_inspector.codes import check
 from stair_inspector.content.images import read_logo
 from stair_inspector.content.project_basis import basis_of
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.projects import parse_project
+from stair_inspector.files.project_files import parse_project
 from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.viewer.parts.export import scene_views
 from stair_inspector.writers.csv import csv_bytes

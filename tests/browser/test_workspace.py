@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from stair_inspector import cli
-from stair_inspector.files.projects import parse_project
+from stair_inspector.files.project_files import parse_project
 from stair_inspector.params import Params
 from stair_inspector.pictures.cameras import VIEWS
 from tests.browser.inspector_page import click_at_once, share_changed, survey_rows_of

@@ -11,7 +11,8 @@ from stair_inspector.content.images import read_logo
 from stair_inspector.content.project_basis import basis_of, titled
 from stair_inspector.content.readings import TapeReading
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.projects import Project, parse_project, project_bytes
+from stair_inspector.files.project_files import parse_project, project_bytes
+from stair_inspector.files.projects import Project
 
 SHA = "0123456789abcdef" * 4
 

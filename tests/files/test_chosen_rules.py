@@ -12,8 +12,6 @@ from stair_inspector.files.chosen_rules import (
     ChosenRules,
     LeftEdits,
     RuleFile,
-    chosen_from_dict,
-    chosen_to_dict,
     is_usable,
     known_sets,
     limit_of,
@@ -24,6 +22,7 @@ from stair_inspector.files.chosen_rules import (
     with_set,
     without_edits,
 )
+from stair_inspector.files.chosen_rules_values import chosen_from_dict, chosen_to_dict
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
 

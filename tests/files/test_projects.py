@@ -16,18 +16,8 @@ from stair_inspector.errors import ConfigError, WriteError
 from stair_inspector.files import atomic
 from stair_inspector.files.chosen_rules import ChosenRules, RuleFile
 from stair_inspector.files.paths import static_configs
-from stair_inspector.files.projects import (
-    LARGEST_BYTES,
-    KeptRun,
-    Measurement,
-    Project,
-    SavedView,
-    autosave_path,
-    parse_project,
-    project_bytes,
-    read_project,
-    save_project,
-)
+from stair_inspector.files.project_files import LARGEST_BYTES, parse_project, project_bytes, read_project, save_project
+from stair_inspector.files.projects import KeptRun, Measurement, Project, SavedView, autosave_path
 from stair_inspector.params import Params
 from tests.synthetic import CHANGES
 

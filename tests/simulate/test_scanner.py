@@ -6,8 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from stair_inspector.simulate.scanner import _Caster, scan
-from stair_inspector.simulate.specs import PROFILES, Scanner, Stair
+from stair_inspector.simulate.rays import RayCaster
+from stair_inspector.simulate.scanner import scan
+from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulate.specs import Stair
 from stair_inspector.simulate.staircase import build
 
 EXACT = Scanner(
@@ -308,7 +310,7 @@ def test_same_seed_same_bytes_with_everything_on(profile, shape):
 
 def test_rays_past_an_edge_do_not_depend_on_single_precision():
     building = build(Stair(n_risers=3))
-    caster = _Caster(building)
+    caster = RayCaster(building)
     nosing_x, nosing_z = -0.025, 0.17
     origin = (-1.5, 0.0, 1.0)
     # Two rays 0.1 micrometres above and below the first nosing's front edge: tread and nosing face.

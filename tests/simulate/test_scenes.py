@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stair_inspector.simulate.scanner import scan
+from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
 from stair_inspector.simulate.scenes import SCENES
-from stair_inspector.simulate.specs import PROFILES, Scanner
 
 COARSE = Scanner(
     stations=3,

@@ -10,7 +10,9 @@ import pytest
 from stair_inspector.declarations import fields_of
 from stair_inspector.errors import ConfigError
 from stair_inspector.simulate.samples import DEFAULT_SAMPLE, SAMPLES
-from stair_inspector.simulate.specs import PROFILES, Scanner, Stair, parse_errors, parse_offset, parse_steps
+from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulate.spec_texts import parse_errors, parse_offset, parse_steps
+from stair_inspector.simulate.specs import Stair
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from stair_inspector.errors import CannotMeasure
 from stair_inspector.model import Note, Observation
 from stair_inspector.params import FlightsParams, HorizontalParams, LevelsParams, NormalsParams, Params, PatchesParams
 from stair_inspector.pipeline import inspect
-from stair_inspector.stages.causes import is_too_coarse
+from stair_inspector.stages.hopeless import is_too_coarse
 from tests.stages.test_coordinate_steps import UTM, as_float32, scan_of
 from tests.synthetic import Stair, make_scan
 

@@ -10,9 +10,12 @@ import pytest
 from stair_inspector.geometry.edges import Sampling
 from stair_inspector.model import Chain, Chains, Normals
 from stair_inspector.params import FlightsParams, LevelsParams, PatchesParams, SurveyParams
+from stair_inspector.stages.climbs import flight_after, straight_climb
+from stair_inspector.stages.edge_finder import EdgeFinder
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.levels import find_height_reach, find_levels, select_horizontal
-from stair_inspector.stages.nosings import _Finder, _Near, find_shapes, flight_after, straight_climb
+from stair_inspector.stages.near_points import NearPoints
+from stair_inspector.stages.nosings import find_shapes
 from stair_inspector.stages.orient import find_up, order_by_height
 from stair_inspector.stages.patches import split_levels
 from stair_inspector.stages.pooled import pool_steps
@@ -294,8 +297,8 @@ def test_the_points_of_a_face_that_noise_hides_do_not_push_an_edge_out(seed):
     front = np.stack(
         [rng.uniform(0.0, 0.04, n_front), rng.uniform(0.0, 1.0, n_front), rng.uniform(-0.011, -0.002, n_front)]
     )
-    near = _Near(*np.concatenate([tread, front], axis=1))
-    finder = _Finder(near, Sampling(sigma_m, 0.014), 3.0 * sigma_m, SurveyParams())
+    near = NearPoints(*np.concatenate([tread, front], axis=1))
+    finder = EdgeFinder(near, Sampling(sigma_m, 0.014), 3.0 * sigma_m, SurveyParams())
     edge = finder.edge(near.s, near.w, (0.03, 0.97), 0.0, is_foot=False)
     assert (edge.source, edge.support) == ("tread", 1.0)
     assert 0.002 < edge.noise_m < 0.06

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from stair_inspector.errors import CannotMeasure
+from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Horizontal, Up
 from stair_inspector.params import LevelsParams, PatchesParams
 from stair_inspector.stages import patches as stage
 from stair_inspector.stages.levels import find_height_reach, find_levels
-from stair_inspector.stages.patches import fit_trimmed, split_levels
+from stair_inspector.stages.patches import split_levels
 
 CELL = PatchesParams.cell_m
 DENSITY = 20_000

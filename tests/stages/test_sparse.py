@@ -11,8 +11,9 @@ from stair_inspector.model import Scan
 from stair_inspector.params import LevelsParams, PatchesParams
 from stair_inspector.pipeline import inspect
 from stair_inspector.simulate.scanner import scan as scan_building
+from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
 from stair_inspector.simulate.scenes import SCENES
-from stair_inspector.simulate.specs import PROFILES, Scanner, Stair
+from stair_inspector.simulate.specs import Stair
 from stair_inspector.simulate.staircase import build
 from stair_inspector.stages import orient
 from stair_inspector.stages.levels import select_horizontal

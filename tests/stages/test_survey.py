@@ -23,9 +23,10 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
+from stair_inspector.stages.climbs import find_climbs
 from stair_inspector.stages.doubt import edge_doubt, slope_doubt
 from stair_inspector.stages.rejects import Forced
-from stair_inspector.stages.survey import find_climbs, measure_survey
+from stair_inspector.stages.survey import measure_survey
 
 RISE, GOING, WIDTH, DEPTH = 0.17, 0.28, 1.0, 0.3
 ALONG_X = np.array([1.0, 0.0])

@@ -15,7 +15,8 @@ from stair_inspector.content.images import read_logo
 from stair_inspector.content.readings import TapeReading
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.chosen_rules import ChosenRules, LeftEdits
-from stair_inspector.files.projects import Measurement, read_project
+from stair_inspector.files.project_files import read_project
+from stair_inspector.files.projects import Measurement
 from stair_inspector.files.settings import preset_bytes
 from stair_inspector.params import Params
 from stair_inspector.viewer.app import App

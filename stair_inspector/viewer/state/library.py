@@ -14,7 +14,8 @@ from stair_inspector.content.project_basis import basis_of
 from stair_inspector.errors import ConfigError, StairError, WriteError
 from stair_inspector.files.atomic import write_atomically
 from stair_inspector.files.paths import sample_scans
-from stair_inspector.files.projects import Project, autosave_path, read_project
+from stair_inspector.files.project_files import read_project
+from stair_inspector.files.projects import Project, autosave_path
 from stair_inspector.files.scans import SUFFIXES, find_scans
 
 DEFAULT_UPLOAD_LIMIT_MB = 500.0

@@ -14,15 +14,8 @@ from stair_inspector.content.fields import OF_THE_SURVEYOR, ReportBasis, basis_t
 from stair_inspector.content.project_basis import basis_of
 from stair_inspector.errors import StairError, WriteError
 from stair_inspector.files.chosen_rules import ChosenRules
-from stair_inspector.files.projects import (
-    KeptRun,
-    Measurement,
-    Project,
-    SavedView,
-    check_entries,
-    check_title,
-    save_project,
-)
+from stair_inspector.files.project_files import save_project
+from stair_inspector.files.projects import KeptRun, Measurement, Project, SavedView, check_entries, check_title
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.params import Params
 from stair_inspector.viewer.compute.worker import Settle

@@ -7,7 +7,8 @@ import threading
 import pytest
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.projects import KeptRun, Measurement, SavedView, read_project
+from stair_inspector.files.project_files import read_project
+from stair_inspector.files.projects import KeptRun, Measurement, SavedView
 from stair_inspector.params import Params
 from stair_inspector.viewer.state import work
 from stair_inspector.viewer.state.library import Library

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import viser
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.projects import Project, project_bytes
+from stair_inspector.files.project_files import project_bytes
+from stair_inspector.files.projects import Project
 from stair_inspector.geometry.arrays import Colors
 from stair_inspector.pictures.cameras import VIEWS, Pose, View
 from stair_inspector.pictures.legends import Legend, line_entries

@@ -6,7 +6,8 @@ import viser
 
 from stair_inspector.content.texts import require_text
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.projects import check_scan, parse_project
+from stair_inspector.files.project_files import parse_project
+from stair_inspector.files.projects import check_scan
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.bridge.widgets import File

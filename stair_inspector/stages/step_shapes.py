@@ -1,0 +1,289 @@
+"""What are the plane and the edges of one step? From its patch and what lies near it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from stair_inspector import priors
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.edges import EdgeLine, Sampling, find_face_edge
+from stair_inspector.geometry.slots import find_slots
+from stair_inspector.model import Arc, Chain, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
+from stair_inspector.params import SurveyParams
+from stair_inspector.stages.arcs import across_arc, side_of, span_beside
+from stair_inspector.stages.edge_finder import BAND_SIGMA, FACE_NEAR_M, LEAST_PURITY, LEAST_SUPPORT, NOISY_M, EdgeFinder
+from stair_inspector.stages.hidden import UNSEEN_M
+from stair_inspector.stages.near_points import FACE_BAND_M, FACE_NEAR_SIGMA, NearPoints, gather_near, refit_plane
+from stair_inspector.stages.nosing_heights import with_nosing_heights
+from stair_inspector.stages.planes import FINE_M, STRIP_M, fit_local
+
+_RISER_REACH_M = (priors.RISER_BEHIND_M + priors.RISER_AHEAD_M) / 2.0
+_RISER_BEHIND_M = (priors.RISER_BEHIND_M - priors.RISER_AHEAD_M) / 2.0
+"""Half width and middle of the search for a riser's face, behind the nosing above it."""
+_UNSEEN_SLOPE = 0.02
+_INSET_M = 0.03
+_LEAST_BAND_M = 0.002
+
+
+def find_shape(
+    heights: HeightOrder,
+    horizontal: Horizontal,
+    patches: Patches,
+    chain: Chain,
+    k: int,
+    climb: Floats,
+    above: StepShape | None,
+    is_straight: bool,
+    params: SurveyParams,
+    is_stepped: bool,
+    span: tuple[float, float] | None = None,
+    arc: Arc | None = None,
+) -> StepShape:
+    """Find the plane and the edges of step ``k`` of a chain along a direction of climb, in the step's own frame."""
+    number = chain.steps[k]
+    surface = patches.surfaces[number]
+    left = np.array([-climb[1], climb[0]])
+    origin = chain.middles[k]
+    if k == 0 and chain.base is None:
+        # Nothing lies below: the patch's own front is all there is.
+        origin = surface.cells_m.mean(axis=1)
+    s, w = climb @ (surface.cells_m - origin[:, None]), left @ (surface.cells_m - origin[:, None])
+    covered = None
+    if surface.covered_m is not None:
+        covered = (surface.covered_m[0] - float(left @ origin), surface.covered_m[1] - float(left @ origin))
+    front = _front_of(s, w, chain.lengths_m[k], covered)
+    is_strip = s <= front + STRIP_M
+    w_low, w_high = (float(value) for value in np.percentile(w[is_strip], [1.0, 99.0]))
+    if covered is not None:
+        w_low, w_high = _with_cover(patches, number, left, origin, (w_low, w_high))
+    if span is not None:
+        # Of a few cells in a row some may be missing at either end.
+        aside = float(left @ origin)
+        w_low, w_high = min(w_low, span[0] - aside), max(w_high, span[1] - aside)
+    # Between the quarters of the width: a floor next door at the same height must not make a tread deeper.
+    inner = (w >= w_low + 0.25 * (w_high - w_low)) & (w <= w_high - 0.25 * (w_high - w_low))
+    s_high = float(np.percentile(s[inner] if inner.any() else s, 98.0))
+    s_high = max(s_high, front + 2.0 * patches.cell_m)
+    extent = (front, s_high, w_low, w_high)
+    z0 = float(surface.centre_m[2] + surface.slope @ (origin - surface.centre_m[:2]))
+    rough = (z0, float(surface.slope @ climb), float(surface.slope @ left))
+    plane = fit_local(horizontal, surface, origin, climb, extent, rough)
+    band_m = params.band_m or max(BAND_SIGMA * plane.sigma_m, _LEAST_BAND_M)
+    rise_above_m, reach = 0.0, extent
+    if above is not None:
+        s_above, w_above = _shape_frame(origin, climb, above.to_plan(above.front.middle_m, 0.0))
+        rise_above_m = above.plane.z0_m - plane.at(s_above, w_above)
+        # The riser may lie beyond what was seen of the tread.
+        reach = (front, max(s_high, s_above), w_low, w_high)
+    near, stride = gather_near(heights, origin, climb, reach, plane, max(rise_above_m, 0.1))
+    plane = replace(plane, spacing_m=plane.spacing_m * math.sqrt(stride))
+    if plane.sigma_m > NOISY_M or span is not None:
+        plane, near = refit_plane(near, plane, extent)
+    sampling = Sampling(plane.sigma_m, plane.spacing_m)
+    on_cover = near
+    if covered is not None:
+        # At a side that the runner reaches, its own edge is the tread's.
+        on_cover = replace(near, r=near.r - surface.cover_m)
+        near = near.chosen((near.w < covered[0]) | (near.w > covered[1]))
+    finder = EdgeFinder(near, sampling, band_m, params, surface.is_barred)
+    finder_across = replace(finder, sampling=replace(sampling, left_out=covered))
+    half_m = chain.lengths_m[k] / 2.0
+    is_wide = w_high - w_low > 1.5 * chain.lengths_m[k]
+    front_span = (-half_m, half_m) if is_wide and not (k == 0 and chain.base is None) else (w_low, w_high)
+    front_span = _bare_span(front_span, covered)
+    found = finder_across.edge(-near.s, near.w, _inset(front_span), -front, is_foot=False)
+    nosing = _guessed(front, front_span) if found is None else found.flipped()
+    start = nosing.middle_m
+    side_span = _inset((start, min(s_high, start + STRIP_M)))
+    across, left_span, right_span = near.w, side_span, side_span
+    if arc is not None:
+        across = across_arc(arc, origin, climb, near.s, near.w)
+        # The riser above turns against this nosing: on the inner side of the curve it stands nearer.
+        left_span, right_span = (_inset(span_beside(arc, origin, climb, (start, s_high), w)) for w in (w_high, w_low))
+    on_left, on_right = (math.inf, -math.inf) if arc is not None else _slots_beside(near, side_span, extent, finder)
+    if is_straight and arc is None:
+        aside = float(left @ origin)
+        on_left, on_right = min(on_left, surface.bounds_m[1] - aside), max(on_right, surface.bounds_m[0] - aside)
+    aside_of = [(finder, across, near.s)] * 2
+    if covered is not None:
+        covering = (replace(finder, near=on_cover), on_cover.w, on_cover.s)
+        aside_of = [covering if math.isinf(end) else bare for end, bare in zip(covered, aside_of, strict=True)]
+    (on_low, low_across, low_s), (on_high, high_across, high_s) = aside_of
+    to_left = on_high.edge(high_across, high_s, left_span, w_high, is_square=is_straight, stop_m=on_left)
+    to_right = on_low.edge(-low_across, low_s, right_span, -w_low, is_square=is_straight, stop_m=-on_right)
+    left_side = to_left or _guessed(w_high, left_span)
+    right_side = _guessed(w_low, right_span) if to_right is None else to_right.flipped()
+    if arc is not None:
+        left_side, right_side = (side_of(arc, origin, climb, side) for side in (left_side, right_side))
+    shape = StepShape(
+        surface=number,
+        origin_m=origin,
+        climb=climb,
+        plane=plane,
+        extent=extent,
+        front=nosing,
+        back=None,
+        left=left_side,
+        right=right_side,
+        foot=None
+        if k or chain.base is None
+        else _find_foot(horizontal, patches.surfaces[chain.base], origin, climb, extent),
+        back_limits=None,
+        coverage=0.0,
+        line_range=(0.0, 0.0),
+        nosing_offsets=(0.0, 0.0, 0.0),
+        nosing_noise=(0.0, 0.0, 0.0),
+    )
+    shape = replace(shape, line_range=(shape.right.at(start), shape.left.at(start)))
+    shape = with_nosing_heights(shape, near, band_m, is_stepped, surface.is_barred)
+    shape = _with_back(shape, finder_across, above, rise_above_m)
+    return replace(shape, coverage=_coverage(shape, near, band_m, covered))
+
+
+def _guessed(place_m: float, span: tuple[float, float]) -> EdgeLine:
+    """Return an edge of which only the patch's rim is known: its uncertainty is large, not absent."""
+    return EdgeLine(place_m, 0.0, sum(span) / 2.0, UNSEEN_M, _UNSEEN_SLOPE, 0.0, "tread")
+
+
+def _shape_frame(origin: Floats, climb: Floats, plan: Floats) -> tuple[float, float]:
+    shift = plan - origin
+    return float(shift @ climb), float(shift[1] * climb[0] - shift[0] * climb[1])
+
+
+def _front_of(s: Floats, w: Floats, length_m: float, covered: tuple[float, float] | None) -> float:
+    """Return where a patch begins over the middle of its front edge, beside what covers it there."""
+    is_middle = np.abs(w) <= (0.4 if covered is None else 0.5) * length_m
+    if covered is not None:
+        is_middle &= (w <= covered[0]) | (w >= covered[1])
+    return float(np.percentile(s[is_middle] if is_middle.any() else s, 2.0))
+
+
+def _with_cover(
+    patches: Patches, number: int, left: Floats, origin: Floats, sides: tuple[float, float]
+) -> tuple[float, float]:
+    """Return between which sides a step lies with the runner that was taken off it."""
+    ends = [
+        np.percentile(left @ (piece.cells_m - origin[:, None]), [1.0, 99.0])
+        for piece in patches.surfaces
+        if piece.part_of == number
+    ]
+    return min(sides[0], *(float(low) for low, _ in ends)), max(sides[1], *(float(high) for _, high in ends))
+
+
+def _bare_span(span: tuple[float, float], covered: tuple[float, float] | None) -> tuple[float, float]:
+    """Return the part of an edge that a runner at one of its ends leaves bare."""
+    if covered is None:
+        return span
+    low = covered[1] if math.isinf(covered[0]) else span[0]
+    high = covered[0] if math.isinf(covered[1]) else span[1]
+    return low, high
+
+
+def _inset(span: tuple[float, float]) -> tuple[float, float]:
+    """Leave out the ends of an edge, where other edges meet it."""
+    inset = min(_INSET_M, 0.15 * (span[1] - span[0]))
+    return span[0] + inset, span[1] - inset
+
+
+def _slots_beside(
+    near: NearPoints, span: tuple[float, float], extent: tuple[float, float, float, float], finder: EdgeFinder
+) -> tuple[float, float]:
+    """Return where on the left and on the right of a step a slot has its middle, behind which lies another flight.
+
+    Infinite where there is none.
+    """
+    is_on = (np.abs(near.r) <= finder.band_m) & (near.s >= span[0]) & (near.s <= span[1])
+    on_left, on_right = math.inf, -math.inf
+    if is_on.any():
+        for start, stop in find_slots(near.w[is_on], finder.sampling.spacing_m, finder.is_barred).slots:
+            # The rim of what was seen of a step may lie a cell inside its side.
+            middle = (start + stop) / 2.0
+            on_left = min(on_left, middle) if start >= extent[3] - FINE_M else on_left
+            on_right = max(on_right, middle) if stop <= extent[2] + FINE_M else on_right
+    return on_left, on_right
+
+
+def _with_back(shape: StepShape, finder: EdgeFinder, above: StepShape | None, rise_m: float) -> StepShape:
+    """Find the back edge: the riser face above the step, else the end of what is seen of it."""
+    near = finder.near
+    _, s_high, w_low, w_high = shape.extent
+    span = _inset(_bare_span((w_low, w_high), finder.sampling.left_out))
+    if above is None:
+        # With nothing above, the end of what was seen may be a shadow's: only a face makes it an edge.
+        back = finder.edge(near.s, near.w, span, s_high)
+        return replace(shape, back=back if back is not None and back.source == "face" else None)
+    # The nosing above, as a line in this frame.
+    ends = [shape.from_plan(above.to_plan(above.front.at(w), w)) for w in _front_ends(above)]
+    (s0, w0), (s1, w1) = ends
+    slope = (s1 - s0) / (w1 - w0) if abs(w1 - w0) > 1e-6 else 0.0
+    # The front of a landing is longer than the flight; a riser is as wide as both.
+    low, high = max(span[0], min(w0, w1)), min(span[1], max(w0, w1))
+    if high - low > 0.3 * (span[1] - span[0]):
+        span = (low, high)
+    middle = (span[0] + span[1]) / 2.0
+    nosing = s0 + slope * (middle - w0)
+    sigma = finder.sampling.sigma_m
+    near_m = max(FACE_NEAR_M, FACE_NEAR_SIGMA * sigma)
+    far_m = max(min(0.65 * rise_m, rise_m - priors.NOSING_THICKNESS_M), near_m + FACE_BAND_M)
+    riser: EdgeLine | None = None
+    if finder.params.edge_source != "tread":
+        guess = (nosing + _RISER_BEHIND_M, slope)
+        riser = find_face_edge(near.s, near.w, near.r, span, guess, _RISER_REACH_M, (near_m, far_m), finder.sampling)
+    if riser is not None and riser.support >= LEAST_SUPPORT and riser.purity >= LEAST_PURITY:
+        return replace(shape, back=riser)
+    extent = finder.edge(near.s, near.w, span, s_high)
+    if extent is not None and extent.at(middle) > nosing + 0.005:
+        return replace(shape, back=extent)
+    # What is seen ends before the nosing above: that is where its shadow begins, not the tread's end.
+    seen = nosing if extent is None else max(extent.at(middle), shape.extent[1])
+    return replace(
+        shape, back_limits=(min(seen, nosing + priors.DEEPEST_OVERHANG_M), nosing + priors.DEEPEST_OVERHANG_M)
+    )
+
+
+def _front_ends(shape: StepShape) -> tuple[float, float]:
+    return shape.extent[2], shape.extent[3]
+
+
+def _find_foot(
+    horizontal: Horizontal, base: Surface, origin: Floats, climb: Floats, extent: tuple[float, float, float, float]
+) -> LocalPlane | None:
+    """Fit the floor or landing just in front of the lowest step."""
+    left = np.array([-climb[1], climb[0]])
+    s, w = climb @ (base.cells_m - origin[:, None]), left @ (base.cells_m - origin[:, None])
+    front, _, w_low, w_high = extent
+    beside = (w >= w_low) & (w <= w_high) & (s <= front)
+    if np.count_nonzero(beside) < 4:
+        return None
+    # From where the floor is first seen in front of the step.
+    s_high = float(np.percentile(s[beside], 99.0))
+    z0 = float(base.centre_m[2] + base.slope @ (origin - base.centre_m[:2]))
+    rough = (z0, float(base.slope @ climb), float(base.slope @ left))
+    strip = (s_high - STRIP_M, s_high, w_low, w_high)
+    return fit_local(horizontal, base, origin, climb, strip, rough)
+
+
+def _coverage(shape: StepShape, near: NearPoints, band_m: float, covered: tuple[float, float] | None) -> float:
+    """Return the share of the cells of a tread's rectangle that hold points, of those that no runner covers."""
+    s_high = shape.extent[1]
+    s_low, w_low, w_high = shape.front.middle_m, shape.right.middle_m, shape.left.middle_m
+    if shape.back is not None:
+        s_high = shape.back.middle_m
+    elif shape.back_limits is not None:
+        s_high = shape.back_limits[1]
+    cell = max(FINE_M, 2.5 * shape.plane.spacing_m)
+    n_s, n_w = max(1, round((s_high - s_low) / cell)), max(1, round((w_high - w_low) / cell))
+    if s_high <= s_low or w_high <= w_low:
+        return 0.0
+    flat = np.abs(near.r) <= band_m
+    column = np.floor((near.s[flat] - s_low) / (s_high - s_low) * n_s).astype(np.int64)
+    row = np.floor((near.w[flat] - w_low) / (w_high - w_low) * n_w).astype(np.int64)
+    inside = (column >= 0) & (column < n_s) & (row >= 0) & (row < n_w)
+    is_filled = np.zeros(n_s * n_w, dtype=np.bool_)
+    is_filled[column[inside] * n_w + row[inside]] = True
+    if covered is not None:
+        middles = w_low + (np.arange(n_w) + 0.5) / n_w * (w_high - w_low)
+        is_bare = (middles <= covered[0]) | (middles >= covered[1])
+        return float(is_filled.reshape(n_s, n_w)[:, is_bare].mean()) if is_bare.any() else 0.0
+    return float(is_filled.mean())
