@@ -2,8 +2,10 @@
 
 import time
 from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from functools import partial
+from typing import Any, ParamSpec, TypeVar, cast
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 
@@ -11,7 +13,8 @@ class Memo:
     """One slot per stage: a stage whose inputs and settings are those of its last run is not run again.
 
     Inputs are compared by identity where they hold arrays (which have no ``==``) and by value where they are settings.
-    ``heavy`` runs what takes seconds, for example in another process; ``on_stage`` is told each stage's name.
+    ``heavy(function, *inputs)`` runs what takes seconds, for example in another process; ``on_stage`` is told each
+    stage's name. The type checker holds the inputs against the stage's own parameters: swapped ones are an error.
     """
 
     def __init__(self, heavy: Callable[..., Any] | None = None, on_stage: Callable[[str], None] | None = None) -> None:
@@ -20,15 +23,35 @@ class Memo:
         self._on_stage = on_stage
         self.timings_s: dict[str, float] = {}
 
-    def run(self, stage: str, function: Callable[..., T], *inputs: object, heavy: bool = False) -> T:
+    def run(self, stage: str, function: Callable[P, T], *inputs: P.args, **named: P.kwargs) -> T:
         """Return ``function(*inputs)``, from the stage's slot if its inputs have not changed."""
+        return self._kept(stage, partial(function, *inputs, **named), (*inputs, *named.items()))
+
+    def run_heavy(self, stage: str, function: Callable[P, T], *inputs: P.args, **named: P.kwargs) -> T:
+        """Do the same for a stage that takes seconds, through ``heavy`` if there is one."""
+        if self._heavy is None:
+            return self.run(stage, function, *inputs, **named)
+        make: Callable[[], T] = partial(self._heavy, function, *inputs, **named)
+        return self._kept(stage, make, (*inputs, *named.items()))
+
+    def result(self, stage: str) -> Any:
+        """Return what a stage gave when it last ran.
+
+        Raises
+        ------
+        KeyError
+            It has not run.
+        """
+        return self._slots[stage][1]
+
+    def _kept(self, stage: str, make: Callable[[], T], inputs: tuple[object, ...]) -> T:
         slot = self._slots.get(stage)
         if slot is not None and slot[0] == inputs:
             return cast(T, slot[1])
         if self._on_stage is not None:
             self._on_stage(stage)
         began = time.perf_counter()
-        result = self._heavy(function, *inputs) if heavy and self._heavy is not None else function(*inputs)
+        result = make()
         self.timings_s[stage] = self.timings_s.get(stage, 0.0) + time.perf_counter() - began
         self._slots[stage] = (inputs, result)
         return result

@@ -1,10 +1,9 @@
 """The recipe: from a scan and settings to an inspection."""
 
 from dataclasses import replace
-from typing import Any
 
 from stair_inspector.memo import Memo
-from stair_inspector.model import NO_CHAINS, Inspection, Scan
+from stair_inspector.model import NO_CHAINS, Inspection, Scan, Step
 from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, treads
@@ -32,13 +31,10 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
 
     Parameters
     ----------
-    scan : Scan
-        At least 50 distinct points.
-    params : Params
-        Every setting.
+    scan, params
+        At least 50 distinct points; every setting.
     memo : Memo, optional
-        Keeps the stages' results from call to call; the result is the same with and without, but that ``timings_s``
-        holds the stages that ran in this call.
+        Keeps the stages' results from call to call. It changes only ``timings_s``: those of the stages that ran.
 
     Raises
     ------
@@ -50,13 +46,14 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     memo = memo or Memo()
     memo.timings_s = {}
     examined = memo.run("examination", examine, scan)
-    normals = memo.run("normals", orient.find_normals, scan, params.normals, heavy=True)
-    # A given up needs neither floor nor method, so a change of them must not run everything again.
-    is_auto = params.up == "auto"
-    limits = params.flights.at_least_usual
-    how = (params.floor, params.method, limits.max_rise_m) if is_auto else (FloorParams(), "survey")
-    up = memo.run("up", orient.find_up, scan, normals, params.up, *how, heavy=is_auto)
-    up = memo.run("plumb", refine_up, scan, normals, up, limits) if is_auto and params.method == "survey" else up
+    normals = memo.run_heavy("normals", orient.find_normals, scan, params.normals)
+    if params.up == "auto":
+        usual, how = params.flights.at_least_usual, params.method
+        up = memo.run_heavy("up", orient.find_up, scan, normals, params.up, params.floor, how, usual.max_rise_m)
+        up = memo.run("plumb", refine_up, scan, normals, up, usual) if how == "survey" else up
+    else:
+        # A given up needs neither floor nor method, so a change of them must not run everything again.
+        up = memo.run("up", orient.find_up, scan, normals, params.up, FloorParams(), "survey")
     heights = memo.run("heights", orient.order_by_height, scan, normals, up, params.overrules.region)
     spaced = memo.run("sparse", find_sparse, heights) if params.method == "survey" else Sparse(heights, False)
     heights, is_sparse = spaced.heights, spaced.is_sparse
@@ -67,33 +64,36 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     levels = memo.run("levels", find.find_levels, horizontal, reach, fitted.levels)
     surfaces = memo.run("surfaces", treads.fit_surfaces, horizontal, levels)
     axes = memo.run("axes", treads.find_axes, horizontal, surfaces, params.axes.rule, params.method)
-    steps: tuple[Any, ...] = ()
+    steps: tuple[Step, ...] = ()
     if axes is not None:
         extents = memo.run("extents", treads.find_extents, horizontal, levels, axes)
         edges = memo.run("edges", treads.place_edges, extents, params.edges)
         nearest = memo.run("nearest", treads.find_nearest, horizontal, levels, surfaces, params.display)
         steps = memo.run("paper", paper.measure_steps, scan, up, surfaces, axes, edges, nearest)
     profile = memo.run("profile", find.profile_heights, horizontal)
-    of_paper = (axes, horizontal, levels, profile, surfaces, steps)
-    found = conclude(scan, params, examined, up, *of_paper, dict(memo.timings_s))
+    found = conclude(scan, params, examined, up, axes, horizontal, levels, profile, surfaces, steps, memo.timings_s)
     if params.method == "paper":
         return found
     found = replace(found, examination=with_questions((*found.examination, *fitted.observations), params.uncertainty))
     spread = memo.run("dither", spread_steps, scan, examined, heights, horizontal, levels)
     heights, horizontal, levels = spread.heights, spread.horizontal, spread.levels
     patches = memo.run("patches", split_levels, horizontal, levels, fitted.patches, fitted.levels)
-    horizontal, patches = memo.run("bars", join_bars, heights, horizontal, patches, params.patches.min_area_m2)
+    least_m2 = params.patches.min_area_m2
+    horizontal, patches = memo.run("bars", join_bars, heights, horizontal, patches, least_m2)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
     is_hopeless = is_too_coarse(found.examination, params.flights)
-    of_flights = (heights, horizontal, patches, params.flights, params.patches.min_area_m2, forced)
-    patches, chains = (patches, NO_CHAINS) if is_hopeless else memo.run("flights", find_flights, *of_flights)
-    of_points = (heights, horizontal, patches, chains, params.survey.of_edges, spread.is_stepped)
-    shapes = memo.run("nosings", find_shapes, *of_points, float(examined.steps_m.max()) if is_sparse else None)
-    how_sure = (params.survey, params.uncertainty, params.display, examined)
-    survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, *how_sure)
-    survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey), params.flights, shapes, examined)
-    concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, dict(memo.timings_s))
+    limits, chains = params.flights, NO_CHAINS
+    if not is_hopeless:
+        patches, chains = memo.run("flights", find_flights, heights, horizontal, patches, limits, least_m2, forced)
+    edges_by, step_m = params.survey.of_edges, float(examined.steps_m.max()) if is_sparse else None
+    shapes = memo.run("nosings", find_shapes, heights, horizontal, patches, chains, edges_by, spread.is_stepped, step_m)
+    lines, doubts, shown = params.survey, params.uncertainty, params.display
+    survey = memo.run(
+        "survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, lines, doubts, shown, examined
+    )
+    survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey), limits, shapes, examined)
+    concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, memo.timings_s)
     if not concluded.steps and not is_hopeless:
         tried = memo.run("suggested", try_suggested, heights, is_sparse, params, forced)
-        return withhold(say_tried(concluded, tried, dict(memo.timings_s)))
+        return withhold(say_tried(concluded, tried, memo.timings_s))
     return withhold(concluded)

@@ -88,7 +88,7 @@ def say_tried(inspection: Inspection, tried: Tried | None, timings_s: dict[str, 
     That it finds nothing is said only where the answer blames the settings, and not where it knows a better cause.
     ``timings_s`` are those of all stages that ran.
     """
-    inspection = dataclasses.replace(inspection, timings_s=timings_s)
+    inspection = dataclasses.replace(inspection, timings_s=dict(timings_s))
     if tried is None:
         return inspection
     if tried.n_risers:

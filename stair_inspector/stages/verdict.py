@@ -79,7 +79,8 @@ def conclude(
         profile=dataclasses.replace(profile, low_m=profile.low_m + float(scan.origin_m @ up.vector)),
         labels=levels.labels,
         notes=tuple(notes),
-        timings_s=timings_s,
+        # The memo goes on counting in its own.
+        timings_s=dict(timings_s),
         examination=(*examined.observations, *up.observations),
         paper_corners=tuple(step.corners for step in steps),
     )
@@ -143,7 +144,8 @@ def conclude_survey(
         floor_h_m=paper.floor_h_m if survey.steps else None,
         labels=freeze(labels),
         notes=(*notes, *_unmet_overrules(named, forced)),
-        timings_s=timings_s,
+        # The memo goes on counting in its own.
+        timings_s=dict(timings_s),
         flights=survey.flights,
         patches=named,
         patch_ids=freeze(patch_ids),

@@ -8,6 +8,7 @@ from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Horizontal, Up
 from stair_inspector.params import LevelsParams, PatchesParams
 from stair_inspector.stages import patches as stage
+from stair_inspector.stages import plan_cells
 from stair_inspector.stages.levels import find_height_reach, find_levels
 from stair_inspector.stages.patches import split_levels
 
@@ -279,7 +280,7 @@ def test_a_shift_moves_the_surfaces_and_nothing_else():
 
 def test_a_grid_too_wide_for_a_table_gives_the_same_patches(monkeypatch):
     *_, patches, patch_of = split(mixed_scan())
-    monkeypatch.setattr(stage, "_LARGEST_TABLE", 0)
+    monkeypatch.setattr(plan_cells, "_LARGEST_TABLE", 0)
     *_, sorted_ones, sorted_of = split(mixed_scan())
     np.testing.assert_array_equal(sorted_of, patch_of)
     for before, after in zip(patches.surfaces, sorted_ones.surfaces, strict=True):

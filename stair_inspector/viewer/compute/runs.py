@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from stair_inspector.errors import StairError
 from stair_inspector.geometry.arrays import Floats
@@ -14,8 +14,6 @@ from stair_inspector.params import Params, ScanUnit
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.compute.worker import Cancelled, Newest, Workshop
-
-T = TypeVar("T")
 
 _PATIENCE_S = 0.2
 """A run that takes no longer changes the page at once; a longer one is announced."""
@@ -72,18 +70,6 @@ class Prepared:
     heights: HeightOrder
 
 
-class _Memo(Memo):
-    """A memo whose stages can be looked at when the run is over."""
-
-    def __init__(self, heavy: Callable[..., Any], on_stage: Callable[[str], None]) -> None:
-        super().__init__(heavy, on_stage)
-        self.results: dict[str, Any] = {}
-
-    def run(self, stage: str, function: Callable[..., T], *inputs: object, heavy: bool = False) -> T:
-        self.results[stage] = result = super().run(stage, function, *inputs, heavy=heavy)
-        return result
-
-
 @dataclass(frozen=True, slots=True)
 class Listener:
     """Who is told of a run, each on the thread of the runs.
@@ -105,7 +91,7 @@ class Runs:
         self._workshop = workshop
         self._listener = listener
         self._notices = notices
-        self._memo = _Memo(self._heavy, self._enter_stage)
+        self._memo = Memo(self._heavy, self._enter_stage)
         self._stage: str | None = None
         self._n_points = 0
         self._is_announced = False
@@ -168,8 +154,8 @@ class Runs:
             inspection = inspect(scan, request.params, self._memo)
             self._stage = None
             announce.cancel()
-            found = self._memo.results
-            self._listener.done(request, scan, inspection, Prepared(found["normals"].vectors, found["heights"]))
+            prepared = Prepared(self._memo.result("normals").vectors, self._memo.result("heights"))
+            self._listener.done(request, scan, inspection, prepared)
         except Cancelled:
             self._end(CANCELLED)
         except StairError as error:
