@@ -14,6 +14,7 @@ from stair_inspector.geometry.arrays import Bools, Floats, Ints, project
 from stair_inspector.geometry.lattice import Lattice, find_lattices
 from stair_inspector.model import Observation, Scan
 from stair_inspector.overrules import NAMED_UP
+from stair_inspector.stages.reach import reach_of
 
 _VOXEL_M = 0.02
 _MOST_POINTS = 30_000
@@ -62,6 +63,9 @@ _FEWEST_OF_EITHER = 2
 """The sides of bars and the treads they form make a rhythm by chance, in which one face is the whole second family."""
 _ON_RHYTHM, _MOSTLY_ON, _FEWEST_TREADS = 0.15, 0.7, 2
 """Level points that lie so near, in rises, to the rhythm's heights are of treads; by chance three in ten do."""
+
+
+_Span = tuple[int, int, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,13 +137,14 @@ def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bo
         return []
     upright = lattices[0], lattices[0].turned()
     # The side of the air is one side of the faces, in every reading.
-    airs = [_air_above(scan, lattice) for lattice in upright]
+    spans = [_span(scan, lattice) for lattice in upright]
+    airs = [_air_above(scan, lattice, span) for lattice, span in zip(upright, spans, strict=True)]
     air = float(np.clip(sum(airs), -_AIR_MOST, _AIR_MOST))
     readings = []
-    for each, own_air in zip(upright, airs, strict=True):
+    for each, span, own_air in zip(upright, spans, airs, strict=True):
         # What is told by nosings and floors is told of these treads and risers, not of those that have changed places.
         nosings = _nosings(scan, each)
-        side = _limited(air, own_air, nosings, each) + nosings + _surroundings(scan, each)
+        side = _limited(air, own_air, nosings, each) + nosings + _surroundings(scan, each, span)
         floors = _floor_for(scan, each)
         for lattice, way in ((each, 1.0), (each.flipped(), -1.0)):
             weight = _as_built(lattice, max_rise_m) + (way * side + floors) / 2.0
@@ -335,11 +340,17 @@ def _in_profile(scan: Thinned, lattice: Lattice) -> tuple[Floats, Floats]:
     return ahead, project(shifted, lattice.up) / lattice.rise_m - ahead
 
 
-def _span(lattice: Lattice) -> tuple[int, int, int, int]:
-    """Return from where to where the faces seen reach ahead, in goings, and up, in rises; both the same upside down."""
+def _span(scan: Thinned, lattice: Lattice) -> _Span:
+    """Return from where to where the faces seen reach ahead, in goings, and up, metres; both the same upside down.
+
+    Upwards with the steps beyond the rhythm, which for a stair that turns is that of a part of it: beside the others
+    its sides go on.
+    """
     ahead = [k for tread in lattice.treads for k in (tread, tread + 1)] + list(lattice.risers)
     upwards = [k for riser in lattice.risers for k in (riser - 1, riser)] + list(lattice.treads)
-    return min(ahead), max(ahead), min(upwards), max(upwards)
+    is_level = np.abs(project(scan.normals.T, lattice.up)) >= _FACES_COS
+    low_m, high_m = reach_of(scan.points, is_level, lattice)
+    return min(ahead), max(ahead), min(low_m, min(upwards) * lattice.rise_m), max(high_m, max(upwards) * lattice.rise_m)
 
 
 def _limited(air: float, own_air: float, nosings: float, lattice: Lattice) -> float:
@@ -354,7 +365,7 @@ def _limited(air: float, own_air: float, nosings: float, lattice: Lattice) -> fl
     return float(np.clip(own_air, -most, most))
 
 
-def _air_above(scan: Thinned, lattice: Lattice) -> float:
+def _air_above(scan: Thinned, lattice: Lattice, span: _Span) -> float:
     """Weigh the walls beside the stair that go on above its highest tread against those below its lowest.
 
     One sees walls only through air. The sides of a stair of concrete end at its floor, as the walls above a stair do
@@ -363,14 +374,14 @@ def _air_above(scan: Thinned, lattice: Lattice) -> float:
     shifted = (scan.points - lattice.origin).T
     side = np.cross(lattice.up, lattice.ahead)
     ahead, height = project(shifted, lattice.ahead) / lattice.going_m, project(shifted, lattice.up)
-    first, last, low, high = _span(lattice)
+    first, last, low_m, high_m = span
     is_wall = np.abs(project(scan.normals.T, side)) >= _FACES_COS
     is_wall &= np.abs(project(shifted, side)) <= lattice.width_m / 2.0 + _WALL_REACH_M
     is_wall &= (ahead >= first) & (ahead <= last)
     # Where a stair turns, risers face as walls do; none is as tall.
     is_wall[is_wall] = _is_tall(ahead[is_wall] * lattice.going_m, project(shifted[:, is_wall], side), height[is_wall])
-    n_over = np.count_nonzero(is_wall & (height > high * lattice.rise_m + _BEYOND_M))
-    n_under = np.count_nonzero(is_wall & (height < low * lattice.rise_m - _BEYOND_M))
+    n_over = np.count_nonzero(is_wall & (height > high_m + _BEYOND_M))
+    n_under = np.count_nonzero(is_wall & (height < low_m - _BEYOND_M))
     weight = math.log((n_over + _AIR_START) / (n_under + _AIR_START))
     return float(np.clip(_AIR_FACTOR * weight, -_AIR_MOST, _AIR_MOST))
 
@@ -414,12 +425,13 @@ def _nosings(scan: Thinned, lattice: Lattice) -> float:
     return float(np.clip(_AIR_FACTOR * weight, -_NOSINGS_MOST, _NOSINGS_MOST))
 
 
-def _surroundings(scan: Thinned, lattice: Lattice) -> float:
+def _surroundings(scan: Thinned, lattice: Lattice, span: _Span) -> float:
     """Weigh what lies around: the floor is larger than the landing, and there is more above a stair than below it."""
     shifted = (scan.points - lattice.origin).T
     ahead, height = project(shifted, lattice.ahead) / lattice.going_m, project(shifted, lattice.up) / lattice.rise_m
     is_level = np.abs(project(scan.normals.T, lattice.up)) >= _FACES_COS
-    first, last, low, high = _span(lattice)
+    first, last, low_m, high_m = span
+    low, high = low_m / lattice.rise_m, high_m / lattice.rise_m
     n_floor = np.count_nonzero(is_level & (np.abs(height - low) <= 0.3) & (ahead < first))
     n_landing = np.count_nonzero(is_level & (np.abs(height - high) <= 0.3) & (ahead > last))
     beyond = _BEYOND_M / lattice.rise_m

@@ -121,6 +121,43 @@ def test_a_stairwell_whose_z_points_down_is_turned_round():
     assert "up_not_z" in [note.code for note in up.notes]
 
 
+def on_an_arc(n_risers=9, rise=0.172, going=0.288, radius=2.0, width=1.1, spacing=0.02):
+    """Points and normals of a stair of concrete that turns about one centre, the origin; its sides go down to floor."""
+    rng = np.random.default_rng(4)
+    inner, outer, turn = radius - width / 2.0, radius + width / 2.0, going / radius
+    parts = []
+
+    def add(size, at_radius, at_angle, height, normal):
+        """``size`` in metres; ranges of radius, angle and height, and the normal's parts outwards, along and up."""
+        n = round(size[0] * size[1] / spacing**2)
+        r, angle, z = (rng.uniform(low, high, n) for low, high in (at_radius, at_angle, height))
+        out = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(n)])
+        along = np.column_stack([-out[:, 1], out[:, 0], np.zeros(n)])
+        parts.append((r[:, None] * out + [0.0, 0.0, 1.0] * z[:, None], normal[0] * out + normal[1] * along))
+        parts[-1][1][:, 2] = normal[2]
+
+    for k in range(n_risers):
+        start, height = k * turn, (k + 1) * rise
+        span = (start, start + (1.5 / radius if k == n_risers - 1 else turn))
+        length = radius * (span[1] - span[0])
+        add((width, length), (inner, outer), span, (height, height), (0.0, 0.0, 1.0))
+        add((width, rise), (inner, outer), (start, start), (k * rise, height), (0.0, 1.0, 0.0))
+        for side in (inner, outer):
+            add((length * side / radius, height), (side, side), span, (0.0, height), (1.0, 0.0, 0.0))
+    add((2.0 * width, 2.0), (radius - width, radius + width), (-2.0 / radius, 0.0), (0.0, 0.0), (0.0, 0.0, 1.0))
+    points, normals = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return points + rng.normal(0.0, 0.001, points.shape), normals
+
+
+@pytest.mark.parametrize("yaw_deg", [75.0, 105.0])
+def test_a_levelled_flight_that_curves_stays_z_up_and_nothing_is_asked(yaw_deg):
+    points, normals = on_an_arc()
+    turn = rotation("z", yaw_deg)
+    up = up_of(make_scan(points @ turn.T, normals @ turn.T))
+    assert up.vector[2] > 0.999
+    assert up.observations == ()
+
+
 def test_treads_that_reach_past_their_risers_say_which_side_is_up():
     # A stair that stands free, up along the file's -y: floor and landing of one size, no walls.
     stair = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.02, noise=0.001, floor_depth=0.28)
