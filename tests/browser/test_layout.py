@@ -122,3 +122,12 @@ def test_the_toolbar_and_the_legend_stay_with_the_scene_when_the_panel_is_folded
     page.page.mouse.up()
     page.page.wait_for_function("() => document.querySelector('canvas[data-engine]').getBoundingClientRect().x > 300")
     page.page.wait_for_function("() => document.querySelector('[data-testid=toolbar]').getBoundingClientRect().x > 300")
+
+
+def test_notices_leave_the_toolbar_free(page):
+    page.tab("Scan")
+    page.page.get_by_role("button", name="Look for new scans").click()
+    page.page.locator(".mantine-Notification-root").first.wait_for()
+    toolbar = page.by_id("toolbar").bounding_box()
+    notice = page.page.locator(".mantine-Notification-root").first.bounding_box()
+    assert notice["y"] >= toolbar["y"] + toolbar["height"]

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from stair_inspector.viewer.bridge.markup import LINE, order_script, script_html, text
+from stair_inspector.viewer.bridge.styles import NOTICES_BELOW, OVERLAY_HEIGHT
 
 _GAP = 10
 """From the edges of the scene, pixels."""
@@ -38,7 +39,7 @@ def toolbar_html(orders_uuid: str, groups: tuple[tuple[Tool, ...], ...]) -> str:
     )
     return (
         '<div data-testid="toolbar" role="toolbar" aria-label="Views" style="position:fixed;z-index:5;display:flex;'
-        f'flex-wrap:wrap;gap:8px;color:var(--mantine-color-text)">{made}{_lift("top", 900)}</div>'
+        f'flex-wrap:wrap;gap:8px;color:var(--mantine-color-text)">{made}{_lift("top", 900)}</div>{NOTICES_BELOW}'
     )
 
 
@@ -60,7 +61,8 @@ def _lift(edge: Literal["top", "bottom"], widest: int) -> str:
         f"(i=>{{const e=i.parentElement,place=()=>{{if(!e.isConnected)return clearInterval(timer);"
         "const c=document.querySelector('canvas[data-engine]');if(!c)return;const r=c.getBoundingClientRect();"
         f"e.style.left=r.left+{_GAP}+'px';e.style.maxWidth=Math.min({widest},r.width-{2 * _GAP})+'px';"
-        f"e.style.{edge}={place}+'px'}};"
+        f"e.style.{edge}={place}+'px';"
+        f"document.documentElement.style.setProperty('{OVERLAY_HEIGHT}-{edge}',e.offsetHeight+{2 * _GAP}+'px')}};"
         f"document.getElementById({name})?.remove();e.id={name};document.body.appendChild(e);"
         "const timer=setInterval(place,300);place()})(this)"
     )

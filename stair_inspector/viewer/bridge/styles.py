@@ -6,6 +6,12 @@ CLEAR_OF_THE_SCROLLBAR = (
     "<style>.mantine-ScrollArea-viewport:has([data-testid=scan])>*{box-sizing:border-box;padding-right:8px}</style>"
 )
 """viser draws it over the right end of the controls."""
+OVERLAY_HEIGHT = "--si-overlay"
+"""Before ``-top`` or ``-bottom``: how much of the scene's edge is covered, which the page itself measures."""
+NOTICES_BELOW = (
+    f"<style>.mantine-Notifications-root[data-position^=top]{{top:var({OVERLAY_HEIGHT}-top,48px)!important}}</style>"
+)
+"""viser's notices would cover the toolbar."""
 RESULTS = "si-results"
 """Class of what belongs to the result that is shown."""
 DIMMED_RESULTS = f"<style>.{RESULTS}{{opacity:.45}}</style>"
