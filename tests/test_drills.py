@@ -95,3 +95,79 @@ def test_a_new_quantity_of_a_step_is_added_in_one_place_and_appears_everywhere(t
         timeout=300,
     )
     assert (done.returncode, done.stdout.strip()) == (0, "[]"), done.stderr
+
+
+NEW_PART = """
+\"\"\"The Greeting tab: says how many steps there are.\"\"\"
+
+import viser
+
+from stair_inspector.viewer.bridge.shortcuts import Command
+from stair_inspector.viewer.parts.part import Context, PagePart
+from stair_inspector.viewer.state.change import PageChange
+
+
+class GreetingPart(PagePart):
+    \"\"\"Greets whoever opens a scan.\"\"\"
+
+    title = "Greeting"
+    icon = viser.Icon.HAND_STOP
+    depends_on = frozenset({PageChange.RESULT})
+
+    def __init__(self, context: Context) -> None:
+        self._desk = context.desk
+        self.words = context.widgets.html()
+
+    def show(self, what: frozenset[PageChange]) -> None:
+        inspection = self._desk.inspection
+        self.words.content = f"Hello, {len(inspection.steps)} steps" if inspection is not None else "Hello"
+
+    def commands(self) -> tuple[Command, ...]:
+        return (Command("Say hello", lambda: self._desk.notices.tell("Greeting", "hello")),)
+"""
+SEEN_OF_PART = """
+import sys
+from pathlib import Path
+
+import stair_inspector
+from tests.viewer.wire_page import WirePage, await_that, serve, simulate_two_stairs
+
+assert Path(stair_inspector.__file__).parent.parent == Path(sys.argv[1])
+app = serve(simulate_two_stairs(Path(sys.argv[1])))
+page = WirePage(app)
+n_steps = len(page.await_result().inspection.steps)
+(part,) = [part for part in page.session.parts if part.title == "Greeting"]
+{command.label: command.action for command in page.session.commands()}["Say hello"]()
+await_that(lambda: "Greeting: hello" in page.told(), "its command does nothing")
+print(part.words.content == f"Hello, {n_steps} steps" and n_steps > 0, page.tabs)
+page.close()
+app.stop()
+"""
+
+
+def test_a_new_part_of_the_page_is_one_folder_and_one_line(tmp_path):
+    package = tmp_path / "stair_inspector"
+    shutil.copytree(ROOT / "stair_inspector", package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(static_configs(), tmp_path / "static_configs")
+    folder = package / "viewer" / "parts" / "greeting"
+    folder.mkdir()
+    (folder / "__init__.py").write_text("", encoding="utf-8")
+    (folder / "part.py").write_text(NEW_PART.lstrip("\n"), encoding="utf-8")
+    file = package / "viewer" / "page.py"
+    source = file.read_text(encoding="utf-8")
+    assert source.count("    LookPart,\n") == 1
+    source = source.replace("    LookPart,\n", "    LookPart,\n    GreetingPart,\n")
+    # With the import that every name needs.
+    name = "from stair_inspector.viewer.parts.judge import Judge\n"
+    source = source.replace(name, f"from stair_inspector.viewer.parts.greeting.part import GreetingPart\n{name}")
+    file.write_text(source, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", SEEN_OF_PART, str(tmp_path)],
+        env={**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    tabs = ["Scan", "Tune", "Steps", "Checks", "Look", "Greeting", "Export"]
+    assert (done.returncode, done.stdout.strip()) == (0, f"True {tabs}"), done.stderr

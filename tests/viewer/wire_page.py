@@ -47,7 +47,8 @@ def serve(folder):
 class WirePage:
     """One page of a browser; ``storage`` is what the tabs of that browser share.
 
-    ``session`` is what the server made for it. A page that is not ``is_answering`` is a connection whose far end is
+    ``session`` is what the server made for it, and ``tabs`` are the titles of the panel's tabs. A page that is not
+    ``is_answering`` is a connection whose far end is
     gone without the server knowing.
     """
 
@@ -55,6 +56,7 @@ class WirePage:
         self.storage = {} if storage is None else storage
         self.is_answering = True
         self._told = []
+        self.tabs = []
         known = set(app._sessions)
         self._socket = connect(
             f"ws://127.0.0.1:{app.port}", subprotocols=[f"viser-v{viser.__version__}"], max_size=None
@@ -107,6 +109,10 @@ class WirePage:
                     "request_uuid": message["request_uuid"],
                 }
             )
+        elif kind == "GuiTabGroupMessage":
+            self.tabs = list(message["props"]["_tab_labels"])
+        elif kind == "GuiUpdateMessage" and "_tab_labels" in message["updates"]:
+            self.tabs = list(message["updates"]["_tab_labels"])
         elif kind == "NotificationShowMessage":
             props = message["props"]
             self._told.append(": ".join((props["title"], props["body"])))
