@@ -2,6 +2,7 @@
 
 import ast
 import re
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -275,6 +276,83 @@ def test_only_the_bridge_knows_what_is_private_to_viser_and_its_page():
         if OF_VISERS_PAGE.search(line)
     }
     assert found == set()
+
+
+VIEWER = ("bridge", "compute", "state", "scene", "parts", "page", "app")
+"""The rooms of the viewer, from the lowest: each may import what lies below it."""
+
+
+def place_in_viewer(module):
+    """(floor, part) of a module of the viewer: what the parts share lies below them, and no part knows another."""
+    names = module.split(".")[2:]
+    if not names:
+        return -1, ""
+    is_single = names[0] == "parts" and (PACKAGE / "viewer" / "parts" / (names[1:] or [""])[0]).is_dir()
+    is_single = is_single and len(names) > 1
+    return 2 * VIEWER.index(names[0]) + is_single, names[1] if is_single else ""
+
+
+def test_the_viewer_has_few_names_at_its_top():
+    names = {path.name for path in (PACKAGE / "viewer").iterdir() if path.name != "__pycache__"}
+    assert names == {"__init__.py", *VIEWER[:5], "page.py", "app.py"}
+    assert len(names) <= 8
+
+
+@pytest.mark.parametrize("file", [file for file in FILES if room_of(file) == "viewer"], ids=lambda file: str(file.name))
+def test_imports_go_one_way_inside_the_viewer(file):
+    name = ".".join(("stair_inspector", *file.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__")
+    floor, part = place_in_viewer(name)
+    for module, _ in imports_in(file):
+        if module.startswith("stair_inspector.viewer."):
+            other_floor, other_part = place_in_viewer(module)
+            assert other_floor <= floor, module
+            assert other_part in ("", part) or file.name == "page.py", f"{module}: a part knows no other part"
+
+
+def files_imported(file):
+    """The files of the package that a file imports, by name."""
+    for module, _ in imports_in(file):
+        place = ROOT.joinpath(*module.split("."))
+        for found in (place.with_suffix(".py"), place / "__init__.py"):
+            if found.exists() and found != file and found.is_relative_to(PACKAGE):
+                yield found
+
+
+def test_no_files_import_each_other_in_a_circle():
+    imported = {file: set(files_imported(file)) for file in FILES}
+    assert sum(map(len, imported.values())) > 1000
+    # A package that hands on what its files hold imports them, and they do not import it.
+    try:
+        TopologicalSorter(imported).prepare()
+    except CycleError as error:
+        circle = [str(file.relative_to(PACKAGE)) for file in error.args[1]]
+        pytest.fail(" imports ".join(circle[::-1]))
+
+
+def test_the_viewer_says_what_its_values_are():
+    said = [
+        f"{file.relative_to(PACKAGE)}:{node.lineno}"
+        for file in FILES
+        if room_of(file) == "viewer"
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Name) and node.id == "Any"
+    ]
+    assert len(said) < 20, said
+
+
+def test_the_page_is_short_and_has_few_attributes():
+    file = PACKAGE / "viewer" / "page.py"
+    source = file.read_text(encoding="utf-8")
+    assert len(source.splitlines()) <= 350
+    kept = {
+        node.attr
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Attribute)
+        and isinstance(node.ctx, ast.Store)
+        and isinstance(node.value, ast.Name)
+        and node.value.id == "self"
+    }
+    assert 5 < len(kept) <= 15
 
 
 def test_tests_mirror_the_package():

@@ -2,9 +2,13 @@
 
 import threading
 from collections.abc import Callable
-from typing import Any
+from typing import Protocol
 
 import viser
+
+
+class _Window(Protocol):
+    def close(self) -> None: ...
 
 
 class Card:
@@ -13,7 +17,7 @@ class Card:
     def __init__(self, gui: viser.GuiApi, title: str) -> None:
         self._gui = gui
         self._title = title
-        self._modal: Any = None
+        self._modal: _Window | None = None
         self._lock = threading.Lock()
 
     def fill(self, add: Callable[[], None]) -> None:
@@ -23,7 +27,7 @@ class Card:
             close = self._gui.add_button("Close", color="gray", hint="So does Escape.")
         close.on_click(self._on_close)
 
-    def _on_close(self, _: Any) -> None:
+    def _on_close(self, _: object) -> None:
         self.close()
 
     def close(self) -> bool:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from itertools import groupby
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, cast, get_args, get_origin
 
 import viser
 
@@ -11,6 +11,7 @@ from stair_inspector.declarations import Place
 from stair_inspector.errors import ConfigError
 from stair_inspector.overrules import NAMED_UP, ForcedKind, with_decision
 from stair_inspector.params import GROUPS, SETTINGS, Params
+from stair_inspector.viewer.bridge.handles import Setter
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.notices import from_page
 
@@ -44,10 +45,10 @@ class SettingControls:
         self._gui = gui
         self._base = params
         self._on_settings = on_settings
-        self._controls: dict[str, Any] = {}
+        self._controls: dict[str, Setter] = {}
         self._up_vector: Any = None
         # Half a text is no setting: a text counts from when it is submitted.
-        self._submitted: dict[str, Any] = {}
+        self._submitted: dict[str, object] = {}
 
     # Making controls, within the container that is open.
 
@@ -81,12 +82,10 @@ class SettingControls:
         low, high, step = (kind(knob.shown(value)) for value in (knob.low, knob.high, knob.step))
         value = _shown(name, self._base)
         hint = f"{knob.hint} ({name})"
-        control: Any
         if knob.place in SLIDER_PLACES:
-            control = self._gui.add_slider(knob.label, low, high, step, value, hint=hint)
+            self._watch(name, self._gui.add_slider(knob.label, low, high, step, value, hint=hint))
         else:
-            control = self._gui.add_number(knob.label, value, min=low, max=high, step=step, hint=hint)
-        self._watch(name, control)
+            self._watch(name, self._gui.add_number(knob.label, value, min=low, max=high, step=step, hint=hint))
 
     def add_choice(self, name: str) -> None:
         """Add a menu for a setting."""
@@ -115,7 +114,7 @@ class SettingControls:
     def add_text(self, name: str) -> None:
         """Add a text field; what is written there counts from :meth:`submit_texts`."""
         value, setting = self._base.value(name), SETTINGS.setting(name)
-        self._controls[name] = self._gui.add_text(setting.label, value, hint=setting.hint)
+        self._controls[name] = cast(Setter, self._gui.add_text(setting.label, value, hint=setting.hint))
         self._submitted[name] = value
 
     # Reading and setting.
@@ -169,9 +168,9 @@ class SettingControls:
         """Write a text field and let it count."""
         self._controls[name].value = self._submitted[name] = value
 
-    def _watch(self, name: str, control: Any) -> None:
-        self._controls[name] = control
-        control.on_update(from_page(self._on_settings))
+    def _watch(self, name: str, control: object) -> None:
+        self._controls[name] = watched = cast(Setter, control)
+        watched.on_update(from_page(self._on_settings))
 
     def _read_up(self, option: object) -> object:
         if option != OWN_UP:
@@ -222,11 +221,12 @@ def _stage_of(name: str) -> str:
     return name.rpartition(".")[0]
 
 
-def _shown(name: str, params: Params) -> Any:
-    return SETTINGS[name].kind(SETTINGS.knob(name).shown(params.value(name)))
+def _shown(name: str, params: Params) -> float:
+    shown: float = SETTINGS[name].kind(SETTINGS.knob(name).shown(params.value(name)))
+    return shown
 
 
-def _stored(name: str, shown: object) -> Any:
+def _stored(name: str, shown: object) -> float:
     """Return a control's value in the setting's unit; a page may send anything."""
     knob = SETTINGS.knob(name)
     # Only a float can be infinite; asking it of a whole number of 400 digits would overflow.

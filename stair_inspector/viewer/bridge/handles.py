@@ -1,6 +1,7 @@
 """viser's handles of controls, and the identity by which scripts of a page write to them."""
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import Any, Protocol
 
 
 class _State(Protocol):
@@ -13,6 +14,16 @@ class Handle(Protocol):
 
     @property
     def _impl(self) -> _State: ...
+
+
+class Setter(Handle, Protocol):
+    """A control that holds a setting, of whatever kind; viser's own types do not say that values can be set."""
+
+    value: Any
+
+    @property
+    def on_update(self) -> Callable[[Callable[[Any], None]], object]:
+        """Attach what is called when the value has changed."""
 
 
 def uuid_of(handle: Handle) -> str:

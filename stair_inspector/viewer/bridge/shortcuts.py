@@ -116,5 +116,5 @@ def _add_help(gui: viser.GuiApi, commands: tuple[Command, ...]) -> None:
     gui.add_html(help_html(commands))
 
 
-def _calling(action: Callable[[], None]) -> Callable[[Any], None]:
+def _calling(action: Callable[[], None]) -> Callable[[object], None]:
     return lambda _: action()

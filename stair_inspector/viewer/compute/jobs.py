@@ -4,7 +4,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.viewer.compute.worker import Cancelled
@@ -65,7 +65,7 @@ class Making:
             raise ConfigError(f"{words}: {self._words} is still being made; wait for it, or press Cancel")
         self._words = words
         self._job = job = _Job(self._show, self._is_closed)
-        outcome: list[Any] = []
+        outcome: list[T | _Failed] = []
 
         def run() -> None:
             try:
@@ -91,8 +91,7 @@ class Making:
             raise ConfigError(f"{words}: cancelled")
         if isinstance(outcome[0], _Failed):
             raise outcome[0].error
-        made: T = outcome[0]
-        return made
+        return outcome[0]
 
 
 class _Job:

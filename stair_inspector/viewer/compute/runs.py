@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from stair_inspector.errors import StairError
 from stair_inspector.geometry.arrays import Floats
@@ -14,6 +14,8 @@ from stair_inspector.params import Params, ScanUnit
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.compute.worker import Cancelled, Newest, Workshop
+
+T = TypeVar("T")
 
 _PATIENCE_S = 0.2
 """A run that takes no longer changes the page at once; a longer one is announced."""
@@ -135,7 +137,7 @@ class Runs:
     def _is_wanted(self) -> bool:
         return not (self._number <= max(self._n_cancelled, self._n_left) or self._is_closed)
 
-    def _heavy(self, function: Callable[..., Any], *inputs: object) -> Any:
+    def _heavy(self, function: Callable[..., T], *inputs: object) -> T:
         return self._workshop.heavy(function, *inputs, is_wanted=self._is_wanted)
 
     def _run(self, wanted: tuple[int, Request, Path]) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Hashable
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from stair_inspector.model import Scan
 from stair_inspector.params import ScanUnit
 
 R = TypeVar("R")
+T = TypeVar("T")
+_Order = tuple[Callable[..., object], tuple[object, ...]]
+_Answer = tuple[str, object]
 
 _LOOK_S = 0.05
 """How often a waiting inspector is asked whether the result is still wanted."""
@@ -137,7 +140,7 @@ class HeavyProcess:
         self._is_closed = False
         self._start()
 
-    def run(self, function: Callable[..., Any], *inputs: object, is_wanted: Callable[[], bool] = _always) -> Any:
+    def run(self, function: Callable[..., T], *inputs: object, is_wanted: Callable[[], bool] = _always) -> T:
         """Return ``function(*inputs)``, run in the process; inputs and result are copied.
 
         Parameters
@@ -176,9 +179,9 @@ class HeavyProcess:
                     "the computing process ended unexpectedly, most likely for want of memory; "
                     "try again, or use a thinned scan"
                 ) from error
-        if outcome == "error":
+        if isinstance(value, BaseException) and outcome == "error":
             raise value
-        return _read_only(value)
+        return _read_only(cast(T, value))
 
     def close(self) -> None:
         """End the process, whatever it is doing."""
@@ -207,7 +210,7 @@ class HeavyProcess:
         far_end.close()
 
 
-def _serve(pipe: "Connection[Any, Any]") -> None:
+def _serve(pipe: "Connection[_Answer, _Order]") -> None:
     """Run what arrives until the server closes its end; the body of the heavy process."""
     # Ctrl+C in a terminal reaches this process too; the server decides when it ends.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -220,7 +223,7 @@ def _serve(pipe: "Connection[Any, Any]") -> None:
         except (EOFError, OSError):
             return
         try:
-            answer = ("ok", function(*inputs))
+            answer: _Answer = ("ok", function(*inputs))
         except StairError as error:
             answer = ("error", error)
         except Exception as error:  # noqa: BLE001 - whatever it is, the page must be told and the process live on
@@ -231,7 +234,7 @@ def _serve(pipe: "Connection[Any, Any]") -> None:
             return
 
 
-def _read_only(value: Any) -> Any:
+def _read_only(value: T) -> T:
     """Clear the writeable flag of the arrays in a result, which copying between processes has set again."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         for item in dataclasses.fields(value):
@@ -270,12 +273,13 @@ class Workshop:
             # The file is gone; what has been read of it can still be measured.
             stamp = self._stamps.get((path, unit), ())
         self._stamps[path, unit] = stamp
-        scan: Scan = self._scans.get((path, unit, stamp), partial(self._process.run, read_scan, path, unit), is_wanted)
-        return scan
+        make = partial(self._process.run, read_scan, path, unit)
+        return cast(Scan, self._scans.get((path, unit, stamp), make, is_wanted))
 
-    def heavy(self, function: Callable[..., Any], *inputs: object, is_wanted: Callable[[], bool] = _always) -> Any:
+    def heavy(self, function: Callable[..., T], *inputs: object, is_wanted: Callable[[], bool] = _always) -> T:
         """Run a pipeline stage in the heavy process, or return its earlier result; see ``pipeline.Memo``."""
-        return self._results.get((function, *inputs), partial(self._process.run, function, *inputs), is_wanted)
+        made = self._results.get((function, *inputs), partial(self._process.run, function, *inputs), is_wanted)
+        return cast(T, made)
 
     def close(self) -> None:
         """End the heavy process."""
@@ -294,7 +298,7 @@ class _Cache:
         self._lock = threading.Lock()
         self._entries: OrderedDict[Hashable, _Entry] = OrderedDict()
 
-    def get(self, key: Hashable, make: Callable[..., Any], is_wanted: Callable[[], bool]) -> Any:
+    def get(self, key: Hashable, make: Callable[..., object], is_wanted: Callable[[], bool]) -> object:
         """Return ``make(is_wanted=...)``, kept.
 
         Raises
@@ -314,7 +318,7 @@ class _Cache:
             raise entry.error
         return entry.value
 
-    def _join(self, key: Hashable, make: Callable[..., Any]) -> "_Entry":
+    def _join(self, key: Hashable, make: Callable[..., object]) -> "_Entry":
         is_new = False
         with self._lock:
             entry = self._entries.get(key)
@@ -330,7 +334,7 @@ class _Cache:
             threading.Thread(target=self._make, args=(key, entry, make), name="stair-cache", daemon=True).start()
         return entry
 
-    def _make(self, key: Hashable, entry: "_Entry", make: Callable[..., Any]) -> None:
+    def _make(self, key: Hashable, entry: "_Entry", make: Callable[..., object]) -> None:
         try:
             entry.value = make(is_wanted=lambda: entry.n_waiting > 0)
         except Exception as error:  # noqa: BLE001 - handed on to everybody who waits
@@ -347,5 +351,5 @@ class _Entry:
     def __init__(self) -> None:
         self.is_done = threading.Event()
         self.n_waiting = 0
-        self.value: Any = None
+        self.value: object = None
         self.error: BaseException | None = None

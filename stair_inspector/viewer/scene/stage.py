@@ -1,6 +1,6 @@
 """An inspector's scene: what of an inspection is drawn, as nodes of viser."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, wraps
 from typing import Any, Literal, TypeVar, cast
@@ -59,7 +59,7 @@ def _counted(draw: _Draw) -> _Draw:
     """Count what draws, after it has drawn."""
 
     @wraps(draw)
-    def counted(stage: "Stage", *values: Any, **named: Any) -> None:
+    def counted(stage: "Stage", *values: object, **named: object) -> None:
         try:
             draw(stage, *values, **named)
         finally:
@@ -91,11 +91,11 @@ class Stage:
     _lent: Mode | None = None
     _magnified: float = 1.0
     _nodes: dict[str, Any] = field(default_factory=dict)
-    _per_step: list[tuple[Any, Any]] = field(default_factory=list)
+    _per_step: list[tuple[viser.MeshHandle, viser.LabelHandle]] = field(default_factory=list)
     _step_names: tuple[str, ...] = ()
-    _rejected: list[Any] = field(default_factory=list)
-    _dimension_labels: list[Any] = field(default_factory=list)
-    _measure_labels: list[Any] = field(default_factory=list)
+    _rejected: list[viser.LabelHandle] = field(default_factory=list)
+    _dimension_labels: list[viser.LabelHandle] = field(default_factory=list)
+    _measure_labels: list[viser.LabelHandle] = field(default_factory=list)
     _is_cut: bool = False
     _cut_steps: frozenset[str] = frozenset()
     _covered_steps: frozenset[str] = frozenset()
@@ -391,7 +391,9 @@ class Stage:
             label.remove()
         self._per_step, self._step_names = [], ()
 
-    def _replace_labels(self, old: list[Any], labels: list[tuple[str, str, Floats, Any]]) -> list[Any]:
+    def _replace_labels(
+        self, old: list[viser.LabelHandle], labels: Sequence[tuple[str, str, Floats, Anchor | Literal["center-center"]]]
+    ) -> list[viser.LabelHandle]:
         """Replace labels by others, given as node name, text, place and anchor; return their nodes."""
         kept = {name for name, *_ in labels}
         for node in old:
@@ -434,7 +436,7 @@ def _label_of(label: Label) -> tuple[str, Floats, Anchor]:
     return label.text, label.position, label.anchor
 
 
-def _pick(on_pick: Callable[[int], None], step_id: int, _: Any) -> None:
+def _pick(on_pick: Callable[[int], None], step_id: int, _: object) -> None:
     on_pick(step_id)
 
 

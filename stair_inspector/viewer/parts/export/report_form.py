@@ -3,14 +3,14 @@
 import dataclasses
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, Literal, cast, get_args
+from typing import Literal, cast, get_args
 
 import numpy as np
 import viser
 
 from stair_inspector.codes.rules import LENGTH_UNITS
 from stair_inspector.content.cells import QUANTITY_WORDS
-from stair_inspector.content.fields import FIELD_GROUPS, Checklist, ReportBasis, ReportFields
+from stair_inspector.content.fields import FIELD_GROUPS, Checklist, Paper, ReportBasis, ReportFields
 from stair_inspector.content.images import read_logo, read_photo
 from stair_inspector.content.moments import odd_moment
 from stair_inspector.content.readings import (
@@ -35,7 +35,7 @@ from stair_inspector.viewer.state.change import PageChange
 
 FormPart = Literal["fields", "checklist"]
 """Of what is written for a report."""
-PAPERS = {"A4": "a4", "US Letter": "us-letter"}
+PAPERS: dict[str, Paper] = {"A4": "a4", "US Letter": "us-letter"}
 READING_QUANTITIES = {
     kind: {QUANTITY_WORDS[name]: name for name in names}
     for kind, names in (("step", STEP_READINGS), ("flight", FLIGHT_READINGS))
@@ -134,7 +134,7 @@ class ReportForm:
         """Choose the size of the PDF's pages."""
         if option not in PAPERS:
             raise ConfigError(f"paper: got {str(option)[:40]!r}; give one of {', '.join(PAPERS)}")
-        self._change(f"paper {option}", lambda _: {"paper": PAPERS[option]})
+        self._change(f"paper {option}", lambda basis: dataclasses.replace(basis, paper=PAPERS[option]))
 
     def add_reading(self) -> None:
         """Keep a reading by hand."""
@@ -159,7 +159,10 @@ class ReportForm:
             note=str(self.note.value),
             at=self._place_of(int(number)) if kind == "step" else None,
         )
-        self._change(f"reading of {self.quantity.value}", lambda basis: {"readings": (*basis.readings, reading)})
+        self._change(
+            f"reading of {self.quantity.value}",
+            lambda basis: dataclasses.replace(basis, readings=(*basis.readings, reading)),
+        )
         self.value.value = self.note.value = ""
 
     def _place_of(self, step_id: int) -> tuple[float, float, float]:
@@ -176,32 +179,32 @@ class ReportForm:
         order = read_order(message, _LISTS)
         entries, one = _LISTS[order.word]
 
-        def without(basis: ReportBasis) -> dict[str, Any]:
+        def without(basis: ReportBasis) -> ReportBasis:
             known = getattr(basis, entries)
             index = order.index_in(known, entries)
-            return {entries: known[:index] + known[index + 1 :]}
+            return dataclasses.replace(basis, **{entries: known[:index] + known[index + 1 :]})
 
         self._change(f"deleted {one} {order.number}", without)
 
     def take_photo(self, file: File) -> None:
         """Keep an uploaded picture as a photograph of the site, with the caption that was written for it."""
         photo = read_photo(file.content, str(self.caption.value), f"photograph {str(file.name)[:60]!r}")
-        self._change("photograph", lambda basis: {"photos": (*basis.photos, photo)})
+        self._change("photograph", lambda basis: dataclasses.replace(basis, photos=(*basis.photos, photo)))
         self.caption.value = ""
 
     def take_logo(self, file: File) -> None:
         """Keep an uploaded picture as the logo."""
         logo = read_logo(file.content, f"logo {str(file.name)[:60]!r}")
-        self._change("logo", lambda _: {"logo": logo})
+        self._change("logo", lambda basis: dataclasses.replace(basis, logo=logo))
 
     def remove_logo(self) -> None:
         """Take the logo away."""
         if self._editor.work.basis.logo is None:
             raise ConfigError("logo: there is none")
-        self._change("no logo", lambda _: {"logo": None})
+        self._change("no logo", lambda basis: dataclasses.replace(basis, logo=None))
 
-    def _change(self, words: str, change: Callable[[ReportBasis], dict[str, Any]]) -> None:
-        self._editor.edit(words, lambda work: {"basis": dataclasses.replace(work.basis, **change(work.basis))})
+    def _change(self, words: str, change: Callable[[ReportBasis], ReportBasis]) -> None:
+        self._editor.edit(words, lambda work: {"basis": change(work.basis)})
 
     def _show_basis(self, basis: ReportBasis) -> None:
         """Write what is kept into the fields."""
