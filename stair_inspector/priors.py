@@ -31,6 +31,11 @@ RISER_AHEAD_M, RISER_BEHIND_M = 0.02, 0.09
 """Between these, before and behind the nosing above it, lies a riser's face: inclined and recessed risers included."""
 NOSING_THICKNESS_M = 0.05
 """So much below a nosing its own front may stand before the riser."""
+WIDEST_BAR_M, USUAL_BAR_M, WIDEST_BAR_GAP_M = 0.15, 0.06, 0.105
+"""Treads of bars, as gratings and planks: a wider piece is no bar, two of them side by side are two surfaces."""
+RUNNER_THICKNESS_M = (0.004, 0.02)
+"""Between these, a strip on a tread is a runner of carpet and no unevenness, and no other tread."""
+USUAL_WIDTH_M = 1.0
 
 # Flights.
 STEEPEST_PITCH_DEG = 60.0
@@ -49,6 +54,8 @@ LANDING_RATIO = 1.8
 """A step that is this much deeper than the others of its flight is a landing too."""
 MOST_TURN_DEG = 45.0
 """Turn from one step to the next, as of the wedges of a tight spiral."""
+WINDING_TURN_DEG = 8.0
+"""A flight winds where its direction turns by more from step to step; the edges of patches are that uncertain."""
 SPIRAL_DEG = 120.0
 """A flight that turns by more in all, always the same way, is a spiral; by less, winders."""
 STRAIGHT_ON_DEG = 10.0
@@ -65,6 +72,14 @@ TIGHTEST_CURVE_M = 1.5
 """Radius of the middle line of a curved flight; a flight that turns about a nearer centre is a spiral or winds."""
 SURE_RISERS = 3
 """So many even risers in a row are a flight by themselves."""
+
+# How exactly staircases are built: standard deviations of a good one, beyond what was measured of it.
+BUILT_OVERHANG_M, BUILT_GOING_M = 0.0015, 0.004
+"""Of overhangs and of goings from step to step."""
+BUILT_PARALLEL_DEG = 0.25
+"""How parallel the nosings of a straight flight are at least."""
+BUILT_LEVEL_DEG = 0.1
+"""How level treads are on the whole, where no floor says whether they are."""
 
 # What the paper's height clusters must show to be called a staircase: lenient, because clusters mix surfaces.
 PAPER_RISE_M = (0.06, 0.35)

@@ -245,6 +245,86 @@ def test_the_reader_of_imports_sees_every_kind_of_import():
     }
 
 
+STAGES = (
+    ("coordinate_steps", "copies", "density", "layers", "reach", "readings", "examine"),
+    ("orient", "levels", "sparse", "treads", "paper"),
+    ("region", "dither", "plan_cells", "patches", "bar_peaks", "bars", "rejects"),
+    ("links", "pace", "gaps", "missing_feet", "runs", "run_ends", "flights"),
+    ("planes", "arcs", "climbs", "foot", "runners", "pieces", "plumb"),
+    ("hidden", "pooled", "near_points", "edge_finder", "nosing_heights", "step_shapes", "nosings"),
+    ("doubt", "parts", "flight_values", "step_values", "unobserved", "survey", "beyond", "blurred", "impossible"),
+    ("hopeless", "causes", "units", "verdict", "suggest", "retry", "withhold"),
+)
+"""In the order of the recipe: the scan, the paper, surfaces, flights, up from them, edges, values, the answer."""
+
+
+def test_stages_import_only_what_comes_before_them_in_the_recipe():
+    order = [stage for group in STAGES for stage in group]
+    files = {file.stem: file for file in FILES if room_of(file) == "stages" and file.stem != "__init__"}
+    assert set(order) == files.keys()
+    for place, stage in enumerate(order):
+        modules = {module.removeprefix("stair_inspector.stages.") for module, _ in imports_in(files[stage])}
+        assert modules & set(order[place:]) == set(), stage
+
+
+OF_STAIRS = re.compile(
+    r"(RISE|GOING|PITCH|TREAD|LANDING|OVERHANG|STRIDE|HEADROOM|BARS?|SLAB|WIDTH|WINDING)S?_(M|M2|DEG)$"
+)
+"""Names of constants that say what staircases are like."""
+MEASURES_OF_STAIRS = re.compile(r"_?(rise|going|pitch|width|depth|tread_depth|stride)s?(_m|_deg)?$")
+
+
+def numbers_of_stairs(tree):
+    """What says in numbers of its own what a staircase is: named constants, and limits of a rise, a going, a pitch."""
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], (ast.Name, ast.Tuple)):
+            targets = getattr(node.targets[0], "elts", node.targets)
+            values = node.value.elts if isinstance(node.value, ast.Tuple) and len(targets) > 1 else [node.value]
+            for target, value in zip(targets, values * (len(targets) if len(values) == 1 else 1), strict=True):
+                if OF_STAIRS.search(target.id) and not ast.unparse(value).startswith("priors."):
+                    yield target.id
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Compare):
+            sides = [node.left, *node.comparators]
+            names = [getattr(side, "id", getattr(side, "attr", "")) for side in sides]
+            numbers = [side.value for side in sides if isinstance(side, ast.Constant)]
+            if any(map(MEASURES_OF_STAIRS.match, names)) and any(
+                isinstance(number, float) and number for number in numbers
+            ):
+                yield ast.unparse(node)
+
+
+@pytest.mark.parametrize(
+    "file", [file for file in FILES if room_of(file) in ("stages", "geometry")], ids=lambda f: f.stem
+)
+def test_what_staircases_are_like_stands_in_priors(file):
+    assert list(numbers_of_stairs(ast.parse(file.read_text(encoding="utf-8")))) == []
+
+
+def test_the_finder_of_numbers_of_stairs_sees_constants_and_limits():
+    source = "_LEAST, _LEAST_RISE_M = 2, 0.06\n_USUAL_GOING_M = priors.USUAL_GOING_M\nif going_m > 0.1 > x.y: ...\n"
+    assert list(numbers_of_stairs(ast.parse(source))) == ["_LEAST_RISE_M", "going_m > 0.1 > x.y"]
+
+
+LONG = {
+    "geometry/lattice.py": "one search in three passes, which share what they count",
+    "stages/orient.py": "one question from the file's axes to the floor, each answer a fallback of the one before",
+    "stages/readings.py": "one weighing of which way is up: every reading is held against all others",
+}
+"""The files downstairs that are longer than 350 lines, and why."""
+
+
+def test_files_downstairs_are_short_but_for_a_few_that_say_why():
+    rooms = {"geometry", "model", "stages", "simulate", "files", "memo", "pipeline", "priors"}
+    lengths = {
+        str(file.relative_to(PACKAGE)): len(file.read_text(encoding="utf-8").splitlines())
+        for file in FILES
+        if room_of(file) in rooms
+    }
+    assert {file for file, length in lengths.items() if length > 350} == LONG.keys()
+    assert len(LONG) <= 5
+
+
 def test_the_recipe_stays_under_a_hundred_lines():
     assert len((PACKAGE / "pipeline.py").read_text(encoding="utf-8").splitlines()) < 100
 

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, Ints
 
 _COLUMN_M, _MOST_COLUMNS, _FEWEST_COLUMNS = 0.015, 80, 12
 _FEWEST_IN_COLUMN = 5
-_THICK_M = (0.004, 0.02)
-"""Between these, a strip is a runner of carpet and no unevenness, and no other tread."""
 _MISFIT, _SHARP, _BESIDE_STEP = 0.15, 0.75, 3
 """Scatter of the columns about the strip's outline, as a share of its thickness, and the share of it by which some
 columns on either side of a step differ: what is rounded or worn has more of the one and less of the other."""
@@ -64,7 +63,7 @@ def find_strip(along: Floats, across: Floats, height: Floats) -> Strip | None:
         [np.median(part) for part in np.split(flat, np.cumsum(counts)[:-1]) if len(part) >= _FEWEST_IN_COLUMN]
     )
     start, stop, thick_m, misfit_m = _best_step(places, heights)
-    if not _THICK_M[0] <= thick_m <= _THICK_M[1] or misfit_m > _MISFIT * thick_m:
+    if not priors.RUNNER_THICKNESS_M[0] <= thick_m <= priors.RUNNER_THICKNESS_M[1] or misfit_m > _MISFIT * thick_m:
         return None
     if not all(_is_sharp(heights, at, thick_m) for at in (start, stop) if 0 < at < len(heights)):
         return None

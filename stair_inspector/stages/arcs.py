@@ -18,8 +18,6 @@ _FEWEST_NOSINGS = 4
 _FEWEST_IF_SLIGHT, _SLIGHT_DEG = 5, 3.0
 """Nosings that must be seen, and those of a flight that turns by less from step to step: of few, one that is turned by
 a defect cannot be told from the others."""
-_BUILT_DEG = 0.25
-"""How parallel the nosings of a straight flight are at least taken to be built, standard deviation."""
 _SURE_SIGMAS = 6.0
 _LEAST_TURN_DEG = 3.0
 """From the first to the last nosing; a flight that turns by less is straight to within a millimetre of going."""
@@ -98,7 +96,7 @@ def find_arc(shapes: Sequence[StepShape]) -> Arc | None:
     arcs = np.where(half_rad < 1e-6, chords, chords * half_rad / np.maximum(np.sin(half_rad), 1e-9))
     way = np.concatenate([[0.0], np.cumsum(arcs)])
     noise = np.array([math.atan(shape.front.slope_noise) for shape in own])
-    line = fit_line_robust(way, angles, np.hypot(noise, math.radians(_BUILT_DEG)))
+    line = fit_line_robust(way, angles, np.hypot(noise, math.radians(priors.BUILT_PARALLEL_DEG)))
     if line is None or line.slope == 0.0:
         return None
     off = np.abs(angles - line.middle - line.slope * (way - line.x_middle))

@@ -9,6 +9,7 @@ import dataclasses
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 from stair_inspector.geometry.clusters import cluster_cells
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
@@ -17,10 +18,8 @@ from stair_inspector.model import HeightOrder, Horizontal, Patches, Surface
 from stair_inspector.stages.bar_peaks import FEWEST_IN_PEAK, NOT_LEVEL, find_peaks, points_at_peaks
 from stair_inspector.stages.patches import plane_of_rows
 
-_BAR_M = 0.15
-"""A piece that is wider is no bar: two of them side by side are two surfaces."""
-_GAP_M, _RHYTHM = 0.105, 1.6
-"""Widest gap between bars; and how much wider than the usual gap of their tread: beyond, another tread begins."""
+_RHYTHM = 1.6
+"""How much wider than the usual gap of their tread a gap between bars may be: beyond, another tread begins."""
 _NARROW = 2.2
 """Cells from middle to middle over a gap of one empty cell."""
 _BESIDE = 0.5
@@ -178,8 +177,8 @@ def _join_pieces(places_m: Floats, labels: Ints, cell_m: float) -> Ints:
     """Return the group of each cell: bars that lie beside each other, and pieces that are wide enough by themselves."""
     n = int(labels.max()) + 1
     pieces = [places_m[:, labels == k] for k in range(n)]
-    is_bar = [_sides(piece)[1] + cell_m < _BAR_M for piece in pieces]
-    reach = _GAP_M + cell_m
+    is_bar = [_sides(piece)[1] + cell_m < priors.WIDEST_BAR_M for piece in pieces]
+    reach = priors.WIDEST_BAR_GAP_M + cell_m
     pairs = []
     for i in range(n):
         for j in range(i):
@@ -206,7 +205,7 @@ def _gap_between(a: Floats, b: Floats, reach: float) -> float:
     longer, shorter = (a, b) if _sides(a)[0] >= _sides(b)[0] else (b, a)
     axis = _axis(longer)
     # Of several bars that hang together the longer side may be across them.
-    is_bar = _sides(longer)[1] < _BAR_M
+    is_bar = _sides(longer)[1] < priors.WIDEST_BAR_M
     if not any(_face_each_other(longer, shorter, way) for way in (axis, np.array([-axis[1], axis[0]]))[: 2 - is_bar]):
         return float("inf")
     return float(np.hypot(*(a[:, :, None] - b[:, None, :])).min())

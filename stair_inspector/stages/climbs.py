@@ -8,7 +8,6 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Chain, Chains, StepShape
 from stair_inspector.stages.arcs import climb_at_nosing, climb_on_arc
-from stair_inspector.stages.hidden import WINDING_DEG
 from stair_inspector.stages.links import angle_deg, turn_deg
 
 
@@ -30,9 +29,9 @@ def straight_climb(chain: Chain) -> Floats | None:
     middle /= np.hypot(*middle)
     turns = [turn_deg(a, b) for a, b in itertools.pairwise(inner)]
     # One edge that is seen badly turns there and back again; a winding flight goes on turning the same way.
-    sharp = [turn for turn in turns if abs(turn) > WINDING_DEG]
+    sharp = [turn for turn in turns if abs(turn) > priors.WINDING_TURN_DEG]
     left, right = [turn for turn in sharp if turn > 0.0], [turn for turn in sharp if turn < 0.0]
-    is_winding = max(len(left), len(right)) >= 2 and abs(sum(sharp)) > 2.0 * WINDING_DEG
+    is_winding = max(len(left), len(right)) >= 2 and abs(sum(sharp)) > 2.0 * priors.WINDING_TURN_DEG
     return None if is_winding else middle
 
 

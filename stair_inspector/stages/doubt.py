@@ -19,9 +19,9 @@ _FACE_EDGE_M = 0.000017
 _FACE_EDGE_SPACING = 0.0085
 _FACE_EDGE_SIGMA = 0.0425
 """Doubt about where an edge is, given its face: of a face's flatness, of the spacing and of the noise of the points."""
-_TREAD_EDGE_M = 0.0001
-_TREAD_EDGE_SPACING = 0.25
-_TREAD_EDGE_SIGMA = 0.10
+_EXTENT_EDGE_M = 0.0001
+_EXTENT_EDGE_SPACING = 0.25
+_EXTENT_EDGE_SIGMA = 0.10
 """The same for an edge known from the extent of a tread only: the last row of points may or may not be there."""
 _COUNTED_EDGE_SPACING, _COUNTED_EDGE_SIGMA = 0.05, 0.2
 """The same where the points of that row were counted."""
@@ -58,7 +58,7 @@ def expanded(value: float, **parts: float) -> Measured:
 
 def edge_doubt(edge: EdgeLine, plane: LocalPlane) -> float:
     """Return what the definition of an edge leaves open, metres: beyond the scatter along it."""
-    least_m, of_spacing, of_sigma = _TREAD_EDGE_M, _TREAD_EDGE_SPACING, _TREAD_EDGE_SIGMA
+    least_m, of_spacing, of_sigma = _EXTENT_EDGE_M, _EXTENT_EDGE_SPACING, _EXTENT_EDGE_SIGMA
     if edge.source == "face":
         least_m, of_spacing, of_sigma = _FACE_EDGE_M, _FACE_EDGE_SPACING, _FACE_EDGE_SIGMA
     elif edge.is_counted:
@@ -95,7 +95,7 @@ def view_doubt(edge: EdgeLine, plane: LocalPlane, ray: Floats, across: Floats, l
         return common_m
     # Rays lie as far apart in the row as between rows, but for the slant: the spacing is the root of the product.
     rows_m = plane.spacing_m / math.sqrt(grazing) * along
-    return math.hypot(common_m, _TREAD_EDGE_SPACING * rows_m)
+    return math.hypot(common_m, _EXTENT_EDGE_SPACING * rows_m)
 
 
 def surface_doubt(plane: LocalPlane) -> float:

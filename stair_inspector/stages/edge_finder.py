@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_face_edge
 from stair_inspector.geometry.extents import find_extent_edge
@@ -32,8 +33,8 @@ NOISY_M = 0.004
 BAND_SIGMA = 3.0
 _FACE_AGREES_M, _AGREE_SIGMAS = 0.006, 4.0
 _FACE_INSIDE_M, _FACE_ROWS = 0.004, 2.0
-_BAR_M, _BEYOND_SHARE = 0.06, 0.1
-"""A bar's usual width at most, and the share of points beyond a face from which the face is an inner bar's."""
+_BEYOND_SHARE = 0.1
+"""Share of points beyond a face from which the face is an inner bar's."""
 _BEHIND_SHARE = 0.3
 """Density of points behind a face, as a share of that in it, from which it is none."""
 
@@ -204,8 +205,8 @@ def _hangs_behind(face: EdgeLine, out: Floats, along: Floats, offset: Floats, he
     ahead = (out - face.middle_m - face.slope * (along - face.along_m))[
         (-offset >= heights[0]) & (-offset <= heights[1])
     ]
-    n_behind = np.count_nonzero((ahead < -_FACE_REACH_M) & (ahead >= -_BAR_M))
-    density = n_behind / (_BAR_M - _FACE_REACH_M)
+    n_behind = np.count_nonzero((ahead < -_FACE_REACH_M) & (ahead >= -priors.USUAL_BAR_M))
+    density = n_behind / (priors.USUAL_BAR_M - _FACE_REACH_M)
     n_on = np.count_nonzero(np.abs(ahead) <= _FACE_REACH_M / 2.0)
     return bool(density > _BEHIND_SHARE * n_on / _FACE_REACH_M)
 
@@ -214,5 +215,5 @@ def _goes_on_beyond(face: EdgeLine, out: Floats, along: Floats) -> bool:
     """Return whether a surface has points beyond a face of its own, as a tread of bars has: then it is no edge's."""
     beyond = out - face.middle_m - face.slope * (along - face.along_m)
     past = _FACE_REACH_M / 2.0 + BAND_SIGMA * face.noise_m
-    n_beyond = np.count_nonzero((beyond > past) & (beyond <= _BAR_M))
-    return bool(n_beyond > _BEYOND_SHARE * np.count_nonzero((beyond > -_BAR_M) & (beyond <= 0.0)))
+    n_beyond = np.count_nonzero((beyond > past) & (beyond <= priors.USUAL_BAR_M))
+    return bool(n_beyond > _BEYOND_SHARE * np.count_nonzero((beyond > -priors.USUAL_BAR_M) & (beyond <= 0.0)))

@@ -23,8 +23,7 @@ _MOST_FOR_VIEW = 30_000
 _FINE = 0.2
 POINTS_PER_TREAD = 100
 """So many are enough to measure a tread."""
-_WIDTH_M = 1.0
-TREAD_M2 = priors.USUAL_GOING_M * _WIDTH_M
+TREAD_M2 = priors.USUAL_GOING_M * priors.USUAL_WIDTH_M
 """A usual tread, by which the density of a scan is judged."""
 _CURES = {
     "coordinates_rounded": (
@@ -199,6 +198,7 @@ def _observe_copy(shift: Floats) -> Observation:
 def _observe_sparse(spacing_m: float, per_tread: int) -> Observation:
     message = (
         f"points lie about {size_text(spacing_m)} apart: some {per_tread} on a tread of "
-        f"{priors.USUAL_GOING_M * 1000.0:.0f} x {_WIDTH_M * 1000.0:.0f} mm, where {POINTS_PER_TREAD} are needed"
+        f"{priors.USUAL_GOING_M * 1000.0:.0f} x {priors.USUAL_WIDTH_M * 1000.0:.0f} mm, where {POINTS_PER_TREAD} are "
+        "needed"
     )
     return Observation("points_sparse", "doubt", message, spacing_m, _CURES["points_sparse"])

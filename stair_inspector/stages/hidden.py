@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
@@ -14,14 +15,10 @@ from stair_inspector.stages.links import turn_deg
 
 UNSEEN_M = 0.03
 """Standard uncertainty of an edge of which only the rim of what was seen is known."""
-WINDING_DEG = 8.0
-"""A flight winds where its direction turns by more from step to step; the edges of patches are that uncertain."""
 _SAME_PLACE_M, _SAME_SIGMAS = 0.004, 3.0
 """Edges in one line: as exact as stairs are built, and as the noise of an edge allows."""
 _DEEPEST_SHADOW_M = 0.15
 """More of a tread is not hidden by what leaves its riser to be seen."""
-_OVERHANG_M, _RHYTHM_M = 0.0015, 0.004
-"""Standard deviation of overhangs and of goings from step to step of a good stair, beyond what was measured of them."""
 _FEWEST_OF_RHYTHM, _MOST_SCATTER_M = 3, 0.01
 """Nosings that are needed to tell where another one lies, and how much they may differ."""
 _FEWEST_FOR_SIDES = 3
@@ -103,7 +100,7 @@ def _expect(shapes: list[StepShape], k: int, chain: Chain, climb: Floats | None)
     place_m = float(np.polyval(line, numbers[k]))
     here = _middle_of(shapes[k])
     s_m, _ = shapes[k].from_plan(here + (place_m - float(here @ climb)) * climb)
-    return _Expected(s_m, math.hypot(scatter_m, _RHYTHM_M), is_own=False)
+    return _Expected(s_m, math.hypot(scatter_m, priors.BUILT_GOING_M), is_own=False)
 
 
 def _expect_by_riser(shapes: list[StepShape], k: int) -> _Expected | None:
@@ -123,7 +120,7 @@ def _expect_by_riser(shapes: list[StepShape], k: int) -> _Expected | None:
     if scatter_m > _MOST_SCATTER_M:
         return None
     s_m, noise_m = own
-    return _Expected(s_m - usual_m, math.hypot(noise_m, scatter_m, _OVERHANG_M), is_own=True)
+    return _Expected(s_m - usual_m, math.hypot(noise_m, scatter_m, priors.BUILT_OVERHANG_M), is_own=True)
 
 
 def _riser_of(shapes: list[StepShape], k: int) -> tuple[float, float] | None:
@@ -148,7 +145,7 @@ def with_wedge_sides(shapes: list[StepShape], chain: Chain) -> list[StepShape]:
     widths = [shape.left.middle_m - shape.right.middle_m for shape in shapes]
     usual_m = float(np.median(widths))
     result = []
-    turns = [abs(turn_deg(a, b)) > WINDING_DEG for a, b in itertools.pairwise(chain.climbs)]
+    turns = [abs(turn_deg(a, b)) > priors.WINDING_TURN_DEG for a, b in itertools.pairwise(chain.climbs)]
     for k, (shape, width_m) in enumerate(zip(shapes, widths, strict=True)):
         is_wedge = any(turns[max(k - 1, 0) : k + 1])
         hidden_m = usual_m - width_m

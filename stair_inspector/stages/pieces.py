@@ -37,8 +37,6 @@ _HOLE_M = 1.0
 """Below a tripod a landing is not seen; what lies behind is a piece of it, where it is no wider than the flight."""
 _FEWEST_GAPS = 3
 """So many gaps on each tread are those of bars along the climb."""
-_SIDE_M = 0.15
-"""What lies on either side of a slot between two flights is wider than a bar."""
 
 
 def find_flights(
@@ -180,7 +178,7 @@ def _is_between_flights(slot: tuple[float, float], sides: Sides, others: Sequenc
     """Return whether a slot parts two treads, each wider than a bar, and no other tread reaches over it."""
     low = max((stop for _, stop in sides.slots if stop <= slot[0]), default=sides.low)
     high = min((start for start, _ in sides.slots if start >= slot[1]), default=sides.high)
-    is_wide = min(slot[0] - low, high - slot[1]) >= _SIDE_M
+    is_wide = min(slot[0] - low, high - slot[1]) >= priors.WIDEST_BAR_M
     return is_wide and not any(other.reaches_over(*slot) for other in others)
 
 

@@ -30,8 +30,6 @@ _LEVELLED_DEG = 3.0
 _BLOCK_M = 0.25
 _STRIP_M = priors.LONGEST_TREAD_M / math.sqrt(12.0)
 """Standard deviation across a floor that is no deeper than a tread: of a strip the slope is badly known."""
-_TREADS_DEG = 0.1
-"""How level treads are built on the whole, a standard deviation, where no floor says whether they are."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +81,7 @@ def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None
         return floor_up
     if not by_floor.has_floor and _from_z_deg(up.vector) > _LEVELLED_DEG:
         vector, treads = _up_from_treads(few, by_floor, up, limits)
-        u_deg = 2.0 * math.hypot(treads.tread_noise_deg, _TREADS_DEG)
+        u_deg = 2.0 * math.hypot(treads.tread_noise_deg, priors.BUILT_LEVEL_DEG)
         return Up(own(vector, (3,), "up"), "treads", u_deg, up.notes, up.observations)
     # Where the treads are the better known, an uneven floor's own doubt must not hide that it leans.
     floor_noise_deg = base_noise_deg or 0.0

@@ -34,9 +34,9 @@ _FEWEST_POINTS = 40
 _SURE_SLOPE = 0.01
 _LEAST_SLOPE = 0.0005
 _SLOPE_SIGMAS = 3.0
-_ABOVE_FOOT_M, _SLAB_M, _NOSING_BAND_M = 0.015, 0.05, 0.028
+_ABOVE_FOOT_M, _NOSING_BAND_M = 0.015, 0.028
 """A riser is looked for from above what it stands on to below the nosing's slab; a slab is thicker than the last."""
-_RISER_BEFORE_M, _RISER_BEHIND_M, _DEEPEST_OVERHANG_M = 0.08, 0.14, 0.06
+_RISER_BEFORE_M, _RISER_BEHIND_M = 0.08, 0.14
 _MOVED_M = 0.006
 """A nosing that was moved by less has the same strip behind it."""
 _INSET_SHARE = 0.05
@@ -187,7 +187,7 @@ def _find_riser(heights: HeightOrder, shapes: Sequence[StepShape], k: int) -> _R
     near = (
         (s >= front - _RISER_BEFORE_M) & (s <= front + _RISER_BEHIND_M) & (w >= w_low + inset) & (w <= w_high - inset)
     )
-    is_riser = near & (under >= _SLAB_M)
+    is_riser = near & (under >= priors.NOSING_THICKNESS_M)
     found = _densest_window(s[is_riser], _WINDOW_M)
     if found is None or found[2] < _LEAST_PURITY:
         return None
@@ -197,7 +197,7 @@ def _find_riser(heights: HeightOrder, shapes: Sequence[StepShape], k: int) -> _R
         return None
     line_at = line.middle + line.slope * (w - line.x_middle)
     is_upper = near & (under >= max(_LEAST_ON_M, 2.5 * shape.plane.sigma_m)) & (under <= _NOSING_BAND_M)
-    is_upper &= np.abs(s - line_at) <= _DEEPEST_OVERHANG_M
+    is_upper &= np.abs(s - line_at) <= priors.DEEPEST_OVERHANG_M
     face = EdgeLine(line.middle, line.slope, line.x_middle, line.middle_noise, line.slope_noise, 1.0, "face")
     return _Riser(face, (s - line_at)[is_upper])
 
