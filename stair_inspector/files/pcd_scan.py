@@ -20,6 +20,7 @@ from stair_inspector.files.raw_cloud import (
     TRUNCATED_HINT,
     NumberLines,
     RawCloud,
+    ScanFormat,
     as_declared,
     check_rest_is_padding,
     cloud_from_columns,
@@ -281,3 +282,6 @@ def _cloud(columns: Mapping[str, NDArray[Any]], notes: tuple[Note, ...]) -> RawC
             for channel, shift in zip(RED_GREEN_BLUE, (16, 8, 0), strict=True):
                 unpacked[channel] = ((packed >> np.uint32(shift)) & np.uint32(255)).astype(np.uint8)
     return cloud_from_columns(unpacked, notes)
+
+
+FORMAT = ScanFormat(".pcd", "a PCD header", is_pcd, read_pcd)

@@ -13,6 +13,7 @@ from stair_inspector.files.raw_cloud import (
     TRUNCATED_HINT,
     NumberLines,
     RawCloud,
+    ScanFormat,
     as_declared,
     check_rest_is_padding,
     cloud_from_columns,
@@ -279,3 +280,6 @@ def _check_fits(data: bytes, at: int, element: PlyElement, needed: int) -> None:
             f"its header states {element.count} PLY '{excerpt(element.name)}' but the data ends before "
             f"({max(len(data) - at, 0)} bytes left); {TRUNCATED_HINT}"
         )
+
+
+FORMAT = ScanFormat(".ply", "'ply'", is_ply, read_ply)

@@ -4,7 +4,7 @@ Takes named columns as they stand in the file, gives points, colours and normals
 here raise ``ReadError`` without the file's name; ``scans.read_scan`` puts it in front.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from itertools import chain, islice
@@ -39,6 +39,20 @@ class RawCloud:
     colors: Colors | None = None
     normals: Floats | None = None
     notes: tuple[Note, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class ScanFormat:
+    """A format of scans that is known by how a file begins.
+
+    ``suffix`` in lower case; ``beginning`` are the words for what a file of it begins with. ``fits`` tells it from a
+    file's bytes, ``read`` turns them into a cloud or raises ReadError.
+    """
+
+    suffix: str
+    beginning: str
+    fits: Callable[[bytes], bool]
+    read: Callable[[bytes], RawCloud]
 
 
 def excerpt(text: str | bytes, limit: int = _SHOWN_CHARACTERS) -> str:

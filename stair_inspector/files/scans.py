@@ -5,6 +5,7 @@ everything that is wrong with a file becomes one sentence.
 """
 
 import hashlib
+import importlib
 import stat
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,19 +21,28 @@ from stair_inspector.files.cleaning import (
     to_local_metres,
     unit_normals,
 )
-from stair_inspector.files.pcd_scan import is_pcd, read_pcd
-from stair_inspector.files.ply_scan import is_ply, read_ply
-from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, excerpt
+from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, ScanFormat, excerpt
 from stair_inspector.files.text_scan import is_text, read_text
 from stair_inspector.geometry.arrays import Colors, Floats, Ints
 from stair_inspector.model import Note, Scan
 from stair_inspector.params import ScanUnit
 from stair_inspector.stages.units import decide_unit
 
-SUFFIXES = (".ply", ".pcd", ".xyz", ".pts", ".csv", ".txt", ".asc")
-"""Suffixes of scans, lower case; what a file holds decides how it is read."""
-FOLDER_SUFFIXES = SUFFIXES[:5]
+_READERS = (
+    "ply_scan",
+    "pcd_scan",
+)
+"""Files of this room that each hold a ``FORMAT``: a new format is one such file and one line here.
+
+They are asked in this order whether a file begins as theirs; what none of them knows is text.
+"""
+FORMATS: tuple[ScanFormat, ...] = tuple(
+    importlib.import_module(f"stair_inspector.files.{reader}").FORMAT for reader in _READERS
+)
+FOLDER_SUFFIXES = (*(each.suffix for each in FORMATS), ".xyz", ".pts", ".csv")
 """Suffixes taken from a folder: a text file in a folder is more often a remark than a scan."""
+SUFFIXES = (*FOLDER_SUFFIXES, ".txt", ".asc")
+"""Suffixes of scans, lower case; what a file holds decides how it is read."""
 
 _LARGEST_BYTES = 4 * 2**30
 _PATH_CHARACTERS = 300
@@ -47,7 +57,10 @@ _OTHER_FORMATS = {
     b"\x89PNG": "an image",
     b"\xff\xd8\xff": "an image",
 }
-_HINT = "export the scan as PLY, PCD, XYZ, PTS or CSV"
+_HINT = (
+    f"export the scan as {', '.join(suffix[1:].upper() for suffix in FOLDER_SUFFIXES[:-1])} "
+    f"or {FOLDER_SUFFIXES[-1][1:].upper()}"
+)
 
 
 _RESULT_MARK = b'"stair-inspector/inspection-1"'
@@ -188,20 +201,19 @@ def _read_bytes(path: Path) -> bytes:
 
 def _parse(path: Path, data: bytes) -> RawCloud:
     """Read by content; the suffix only decides which sentence explains a failure."""
-    if is_ply(data):
-        return read_ply(data)
-    if is_pcd(data):
-        return read_pcd(data)
+    for each in FORMATS:
+        if each.fits(data):
+            return each.read(data)
     other = next((name for magic, name in _OTHER_FORMATS.items() if data.startswith(magic)), None)
     if other is not None:
         raise ReadError(f"is {other}, which is not read; {_HINT}")
     suffix = path.suffix.lower()
-    if suffix in (".ply", ".pcd"):
+    stated = next((each for each in FORMATS if each.suffix == suffix), None)
+    if stated is not None:
         try:
             return read_text(data)
         except ReadError as error:
-            expected = "'ply'" if suffix == ".ply" else "a PCD header"
-            raise ReadError(f"does not begin with {expected} (got '{excerpt(data, 20)}'); {_HINT}") from error
+            raise ReadError(f"does not begin with {stated.beginning} (got '{excerpt(data, 20)}'); {_HINT}") from error
     if not is_text(data) and suffix not in SUFFIXES:
         raise ReadError(f"is of an unknown format (it begins with '{excerpt(data, 20)}'); {_HINT}")
     return read_text(data)

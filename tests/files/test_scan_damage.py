@@ -1,5 +1,6 @@
 """Bad scan files, one by one and at random: one sentence, no crash, never a wrong number."""
 
+import dataclasses
 import os
 import stat
 import struct
@@ -13,6 +14,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from stair_inspector.errors import ReadError
+from stair_inspector.files import scans
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import find_scans, read_scan
 
@@ -289,7 +291,8 @@ def test_memory_that_is_not_there_is_one_sentence(tmp_path: Path, monkeypatch: p
         raise MemoryError
 
     (tmp_path / "a.ply").write_bytes(PLY)
-    monkeypatch.setattr("stair_inspector.files.scans.read_ply", exhausted)
+    exhausting = dataclasses.replace(scans.FORMATS[0], read=exhausted)
+    monkeypatch.setattr(scans, "FORMATS", (exhausting, *scans.FORMATS[1:]))
     refuse(tmp_path / "a.ply", "does not fit into the memory")
 
 
