@@ -15,7 +15,8 @@ class LocalPlane:
     ``covariance`` (3, 3) comes from the scatter of the means of blocks, so that noise which is the same over a whole
     block counts as it must; ``sigma_m`` is the noise of single points, ``spacing_m`` their distance, ``misfit_m`` how
     far the surface itself departs from the plane, beyond what noise explains; ``layers_m`` how far apart two layers of
-    points lie that cover the same places, 0 where there is one.
+    points lie that cover the same places, 0 where there is one. ``cover_m`` is by how much a strip of carpet on the
+    surface leaves its height and its edges uncertain, and ``aside_m`` its width.
     """
 
     z0_m: float
@@ -26,6 +27,8 @@ class LocalPlane:
     misfit_m: float
     n_points: int
     layers_m: float = 0.0
+    cover_m: float = 0.0
+    aside_m: float = 0.0
 
     def at(self, s_m: float, w_m: float) -> float:
         """Return the height at a place of the step's frame, metres."""

@@ -29,7 +29,8 @@ class Surface:
     for these points) in local scan axes; ``is_barred`` says that it is put together from bars with gaps; ``part_of`` is
     the number of the surface that holds these points too, where this one is a piece of a tread. ``bounds_m`` are the
     places across the climb, ``(-climb[1], climb[0]) @ plan``, beyond which another flight lies beside,
-    and ``covered_m`` those between which a runner of carpet hides it, ``cover_m`` thick.
+    and ``covered_m`` those between which a runner of carpet hides it. ``cover_m`` is by how much the surface and its
+    edges may be those of a strip that lies on it, and ``aside_m`` how much wider it may be than what is seen.
     """
 
     level_id: int
@@ -46,6 +47,7 @@ class Surface:
     bounds_m: tuple[float, float] = (-math.inf, math.inf)
     covered_m: tuple[float, float] | None = None
     cover_m: float = 0.0
+    aside_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

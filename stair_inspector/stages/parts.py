@@ -19,6 +19,9 @@ from stair_inspector.stages.doubt import (
     view_doubt,
 )
 
+_OF_COVER = 0.6
+"""Standard uncertainty of what may be a strip's or the surface's under it, as a share of its thickness: k = 2 holds all
+of it, and that the thickness itself is known to a fifth."""
 _MISTAKEN_M = 0.007
 """Treads that are double by so much in height have no one face before them."""
 
@@ -108,7 +111,8 @@ class Doubts:
         """
         if plane is None:
             return 0.0
-        return layers_doubt(plane.layers_m) if plane.layers_m else self._layers_m / 2.0
+        apart_m = layers_doubt(plane.layers_m) if plane.layers_m else self._layers_m / 2.0
+        return math.hypot(apart_m, _OF_COVER * plane.cover_m)
 
     def layers_across(self, edge: EdgeLine | None, shape: StepShape) -> float:
         """Return what doubled surfaces leave uncertain of the place of a front or back edge, along the climb.
@@ -122,11 +126,13 @@ class Doubts:
         apart_m = self._apart_m(np.array([*shape.climb, 0.0]))
         above_m = shape.plane.layers_m or self._layers_m
         mistaken = layers_doubt(priors.DEEPEST_OVERHANG_M) if above_m > _MISTAKEN_M else 0.0
-        return math.hypot(apart_m / 2.0, mistaken)
+        return math.hypot(apart_m / 2.0, mistaken, _OF_COVER * shape.plane.cover_m)
 
     def layers_aside(self, shape: StepShape) -> float:
         """Return the same of an edge at a tread's side, square to the climb."""
-        return self._apart_m(np.array([*_left_of(shape.climb), 0.0])) / 2.0
+        apart_m = self._apart_m(np.array([*_left_of(shape.climb), 0.0]))
+        # What a strip of carpet leaves of the width goes to two sides, and to one direction.
+        return math.hypot(apart_m, shape.plane.aside_m / math.sqrt(2.0)) / 2.0
 
     def _apart_m(self, direction: Floats) -> float:
         """Return how far doubled surfaces lie apart in a direction of the level frame."""

@@ -9,12 +9,13 @@ and is the surface that is measured.
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Floats
-from stair_inspector.geometry.strips import Strip, find_strip
+from stair_inspector.geometry.strips import find_strip
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Chain, Chains, Horizontal, Note, Patches, Surface
 from stair_inspector.stages.bars import surface_of_rows
@@ -26,12 +27,28 @@ _FEWEST_TREADS, _ON_MOST = 2, 0.6
 """Treads that must show the strip, and their share of the flight's."""
 _SAME_SIDE_M, _SAME_THICK_M, _SAME_THICK = 0.03, 0.002, 0.3
 """A runner lies straight: so much its sides may differ from tread to tread, and its thickness, and as a share of it."""
-_LEAST_BARE_M = 0.06
-"""Of a tread so much must be bare on one side for its edges to be found there; less on the other one is nothing."""
+_LEAST_BARE_M = 0.09
+"""Of every tread so much must be bare on both sides: heights in the middle lie between what is seen there. Beside a
+runner on one side they would lie beyond it, where the slope of a narrow strip says little."""
+_ASIDE_M = 0.03
+"""The bare sides of a strip are known to half a column each, and to what its shadow hides."""
+_DENSE_M = 0.012
+"""Distance of points up to which the faces of the risers beside a runner and under it are told apart."""
 _MARGIN_M = 0.015
 """So far beside a runner its own edge and its shadow may lie."""
 _LEAST_SHARE = 0.02
 """Of a surface's points, so many on the strip are no strays."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Runner:
+    """A strip that lies at one place on most treads of a flight, as a Strip has it, and on how many of them."""
+
+    low: float
+    high: float
+    thick_m: float
+    bare_m: tuple[float, float]
+    n_treads: int
 
 
 def bare_treads(horizontal: Horizontal, patches: Patches, chains: Chains) -> tuple[Patches, Chains]:
@@ -45,9 +62,10 @@ def bare_treads(horizontal: Horizontal, patches: Patches, chains: Chains) -> tup
     Returns
     -------
     patches, chains
-        The same objects where there is no runner. Else the points on it are surfaces of their own, pieces of the treads
-        they lie on; the treads say between which places they are covered; and a note says what was done. A strip that
-        leaves too little bare on both sides is only told of.
+        The same objects where there is no runner. Where it lies on all treads and each is bare on both sides, the
+        points on it are surfaces of their own, pieces of the treads they lie on; the treads say between which places
+        they are covered. Any other strip stays where it is, and its thickness is a doubt about the flight's surfaces
+        and edges. A note says what was done.
     """
     surfaces, notes = list(patches.surfaces), list(chains.notes)
     for chain in chains.chains:
@@ -55,18 +73,28 @@ def bare_treads(horizontal: Horizontal, patches: Patches, chains: Chains) -> tup
         strip = None if climb is None else _strip_of(horizontal, surfaces, chain, climb)
         if climb is None or strip is None:
             continue
-        is_bare = max(strip.bare_m) >= _LEAST_BARE_M
-        notes.append(_note(surfaces[chain.steps[0]], strip, is_bare))
-        if not is_bare:
-            continue
-        for number in (*chain.steps, *(() if chain.base is None else (chain.base,))):
-            _take_off(horizontal, surfaces, number, chain, climb, strip, patches.cell_m)
+        numbers = (*chain.steps, *(() if chain.base is None else (chain.base,)))
+        is_on = {
+            number: _is_on_strip(
+                horizontal.coordinates_m.take(surfaces[number].rows, axis=1), chain, climb, strip, number in chain.steps
+            )
+            for number in numbers
+        }
+        is_bare = _can_be_bare(surfaces, chain, strip, is_on)
+        notes.append(_note(strip, surfaces[chain.steps[0]], is_bare))
+        for number in numbers:
+            if is_bare:
+                _take_off(horizontal, surfaces, number, chain, strip, is_on[number], patches.cell_m)
+            elif number in chain.steps:
+                # The side edges, too, may be those of the strip.
+                aside_m = _ASIDE_M + sum(strip.bare_m)
+                surfaces[number] = dataclasses.replace(surfaces[number], cover_m=strip.thick_m, aside_m=aside_m)
     if len(notes) == len(chains.notes):
         return patches, chains
     return Patches(tuple(surfaces), patches.cell_m), dataclasses.replace(chains, notes=tuple(notes))
 
 
-def _strip_of(horizontal: Horizontal, surfaces: Sequence[Surface], chain: Chain, climb: Floats) -> Strip | None:
+def _strip_of(horizontal: Horizontal, surfaces: Sequence[Surface], chain: Chain, climb: Floats) -> _Runner | None:
     """Return the strip that lies at one place on most treads of a flight; it may lack on a landing."""
     treads = [surfaces[number] for number in chain.steps[:-1]]
     if len(treads) < _FEWEST_TREADS or any(surface.is_barred for surface in treads):
@@ -77,7 +105,8 @@ def _strip_of(horizontal: Horizontal, surfaces: Sequence[Surface], chain: Chain,
         points = horizontal.coordinates_m.take(rows, axis=1)
         strip = find_strip(climb @ points[:2], _left_of(climb) @ points[:2], points[2])
         found += [] if strip is None else [strip]
-    if len(found) < max(_FEWEST_TREADS, _ON_MOST * len(treads)):
+    fewest = max(_FEWEST_TREADS, _ON_MOST * len(treads))
+    if len(found) < fewest:
         return None
     low = float(np.median([strip.low for strip in found]))
     high = float(np.median([strip.high for strip in found]))
@@ -88,27 +117,47 @@ def _strip_of(horizontal: Horizontal, surfaces: Sequence[Surface], chain: Chain,
         if max(abs(strip.low - low), abs(strip.high - high)) <= _SAME_SIDE_M
         and abs(strip.thick_m - thick_m) <= max(_SAME_THICK_M, _SAME_THICK * thick_m)
     ]
-    if len(agree) < max(_FEWEST_TREADS, _ON_MOST * len(treads)):
+    if len(agree) < fewest:
         return None
     on_low, on_high = (float(np.median([strip.bare_m[side] for strip in agree])) for side in (0, 1))
-    return Strip(low, high, thick_m, (on_low, on_high))
+    return _Runner(low, high, thick_m, (on_low, on_high), len(agree))
 
 
-def _note(lowest: Surface, strip: Strip, is_bare: bool) -> Note:
+def _can_be_bare(surfaces: Sequence[Surface], chain: Chain, strip: _Runner, is_on: Mapping[int, Bools]) -> bool:
+    """Return whether every tread of a flight shows the strip, and enough of itself on both sides of it.
+
+    Where one lacks it, or lies elsewhere under it as where a flight curves, some nosings would be those of the carpet
+    and others bare ones.
+    """
+    treads = chain.steps[:-1]
+    spacings = [math.sqrt(surfaces[number].area_m2 / len(surfaces[number].rows)) for number in treads]
+    return (
+        min(strip.bare_m) >= _LEAST_BARE_M
+        and max(spacings) <= _DENSE_M
+        and strip.n_treads == len(treads)
+        and all(_is_cut(is_on[number]) for number in treads)
+    )
+
+
+def _is_cut(is_on: Bools) -> bool:
+    return bool(np.count_nonzero(is_on) >= _LEAST_SHARE * len(is_on) and not is_on.all())
+
+
+def _note(strip: _Runner, lowest: Surface, is_bare: bool) -> Note:
     what = (
         f"a strip {strip.high - strip.low:.2f} m wide and {1000.0 * strip.thick_m:.0f} mm thick, as a runner of "
-        f"carpet, lies along the flight whose lowest step is at {lowest.height_m:.3f} m: "
+        f"carpet, lies along the flight whose lowest tread is at {lowest.height_m:.2f} m: "
     )
     if is_bare:
         message = what + (
             "its steps are measured where they are bare beside it, as the IRC takes them (R311.7.5, without carpets, "
-            "rugs and runners); who walks on it meets a first riser that is higher by the thickness, and a last one "
-            "that is lower where it ends before the landing"
+            "rugs and runners); where the strip begins and ends the riser under foot differs by its thickness: measure "
+            "those two by hand if they matter"
         )
         return Note("runner", "flights", message)
     message = what + (
-        "too little is bare beside it to measure the steps there; they have two levels: the widths, and the lowest and "
-        "the highest rise, may be those of either"
+        "it leaves too little of the treads bare, or does not lie on all of them; each edge may be that of the strip "
+        "or of the tread, which the uncertainties hold: measure by hand, or scan the stair without it"
     )
     return Note("two_levels", "flights", message)
 
@@ -118,32 +167,23 @@ def _take_off(
     surfaces: list[Surface],
     number: int,
     chain: Chain,
-    climb: Floats,
-    strip: Strip,
+    strip: _Runner,
+    is_on: Bools,
     cell_m: float,
 ) -> None:
     """Part the points on a runner from a surface, which keeps its number; a step knows where it is covered."""
-    whole = surfaces[number]
-    is_step = number in chain.steps
-    is_on = _is_on_strip(horizontal.coordinates_m.take(whole.rows, axis=1), chain, climb, strip, is_step)
-    bare = whole
-    if np.count_nonzero(is_on) >= _LEAST_SHARE * len(whole.rows) and not is_on.all():
+    whole = bare = surfaces[number]
+    # Not on a landing at which the runner ends, or a floor before which it begins.
+    if _is_cut(is_on):
         piece = surface_of_rows(horizontal, whole.rows[is_on], whole.level_id, cell_m)
         surfaces.append(dataclasses.replace(piece, part_of=number))
         bare = surface_of_rows(horizontal, whole.rows[~is_on], whole.level_id, cell_m)
-    covered = (
-        strip.low - _MARGIN_M if strip.bare_m[0] >= _LEAST_BARE_M else -math.inf,
-        strip.high + _MARGIN_M if strip.bare_m[1] >= _LEAST_BARE_M else math.inf,
-    )
-    surfaces[number] = dataclasses.replace(
-        bare,
-        bounds_m=whole.bounds_m,
-        covered_m=covered if is_step else whole.covered_m,
-        cover_m=strip.thick_m if is_step else whole.cover_m,
-    )
+    # Where it ends at a landing's nosing it still covers the riser below.
+    covered = (strip.low - _MARGIN_M, strip.high + _MARGIN_M) if number in chain.steps else whole.covered_m
+    surfaces[number] = dataclasses.replace(bare, bounds_m=whole.bounds_m, covered_m=covered)
 
 
-def _is_on_strip(points: Floats, chain: Chain, climb: Floats, strip: Strip, is_step: bool) -> Bools:
+def _is_on_strip(points: Floats, chain: Chain, climb: Floats, strip: _Runner, is_step: bool) -> Bools:
     """Return which points (3, n) of a surface lie on a runner: between its sides, and higher than what is bare there.
 
     On a floor or landing it may lie on a part only, and what is far away may lean otherwise.

@@ -80,18 +80,15 @@ def find_shape(
     plane = replace(plane, spacing_m=plane.spacing_m * math.sqrt(stride))
     if plane.sigma_m > NOISY_M or span is not None:
         plane, near = refit_plane(near, plane, extent)
+    plane = replace(plane, cover_m=surface.cover_m, aside_m=surface.aside_m)
     sampling = Sampling(plane.sigma_m, plane.spacing_m)
-    on_cover = near
     if covered is not None:
-        # At a side that the runner reaches, its own edge is the tread's.
-        on_cover = replace(near, r=near.r - surface.cover_m)
         near = near.chosen((near.w < covered[0]) | (near.w > covered[1]))
     finder = EdgeFinder(near, sampling, band_m, params, surface.is_barred)
     finder_across = replace(finder, sampling=replace(sampling, left_out=covered))
     half_m = chain.lengths_m[k] / 2.0
     is_wide = w_high - w_low > 1.5 * chain.lengths_m[k]
     front_span = (-half_m, half_m) if is_wide and not (k == 0 and chain.base is None) else (w_low, w_high)
-    front_span = _bare_span(front_span, covered)
     found = finder_across.edge(-near.s, near.w, _inset(front_span), -front, is_foot=False)
     nosing = _guessed(front, front_span) if found is None else found.flipped()
     start = nosing.middle_m
@@ -105,13 +102,8 @@ def find_shape(
     if is_straight and arc is None:
         aside = float(left @ origin)
         on_left, on_right = min(on_left, surface.bounds_m[1] - aside), max(on_right, surface.bounds_m[0] - aside)
-    aside_of = [(finder, across, near.s)] * 2
-    if covered is not None:
-        covering = (replace(finder, near=on_cover), on_cover.w, on_cover.s)
-        aside_of = [covering if math.isinf(end) else bare for end, bare in zip(covered, aside_of, strict=True)]
-    (on_low, low_across, low_s), (on_high, high_across, high_s) = aside_of
-    to_left = on_high.edge(high_across, high_s, left_span, w_high, is_square=is_straight, stop_m=on_left)
-    to_right = on_low.edge(-low_across, low_s, right_span, -w_low, is_square=is_straight, stop_m=-on_right)
+    to_left = finder.edge(across, near.s, left_span, w_high, is_square=is_straight, stop_m=on_left)
+    to_right = finder.edge(-across, near.s, right_span, -w_low, is_square=is_straight, stop_m=-on_right)
     left_side = to_left or _guessed(w_high, left_span)
     right_side = _guessed(w_low, right_span) if to_right is None else to_right.flipped()
     if arc is not None:
@@ -168,16 +160,7 @@ def _with_cover(
         for piece in patches.surfaces
         if piece.part_of == number
     ]
-    return min(sides[0], *(float(low) for low, _ in ends)), max(sides[1], *(float(high) for _, high in ends))
-
-
-def _bare_span(span: tuple[float, float], covered: tuple[float, float] | None) -> tuple[float, float]:
-    """Return the part of an edge that a runner at one of its ends leaves bare."""
-    if covered is None:
-        return span
-    low = covered[1] if math.isinf(covered[0]) else span[0]
-    high = covered[0] if math.isinf(covered[1]) else span[1]
-    return low, high
+    return min([sides[0], *(float(low) for low, _ in ends)]), max([sides[1], *(float(high) for _, high in ends)])
 
 
 def _inset(span: tuple[float, float]) -> tuple[float, float]:
@@ -208,7 +191,7 @@ def _with_back(shape: StepShape, finder: EdgeFinder, above: StepShape | None, ri
     """Find the back edge: the riser face above the step, else the end of what is seen of it."""
     near = finder.near
     _, s_high, w_low, w_high = shape.extent
-    span = _inset(_bare_span((w_low, w_high), finder.sampling.left_out))
+    span = _inset((w_low, w_high))
     if above is None:
         # With nothing above, the end of what was seen may be a shadow's: only a face makes it an edge.
         back = finder.edge(near.s, near.w, span, s_high)
