@@ -22,6 +22,7 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
+from stair_inspector.errors import ReadError
 from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import ScanUnit
@@ -201,7 +202,12 @@ class Page:
 
     def _find(self, request: Request, read: Callable[[ScanUnit], Scan]) -> tuple[Request, Scan]:
         """Read a scan; work that was done on another state of the file is put aside."""
-        scan = read(request.params.unit)
+        try:
+            scan = read(request.params.unit)
+        except ReadError:
+            self.opening.mark(request.label, is_readable=False)
+            raise
+        self.opening.mark(request.label, is_readable=True)
         if self.opening.is_of(request.label, scan.sha256):
             return request, scan
         self.changed(PageChange.WORK)
@@ -252,7 +258,16 @@ class Page:
                 words = "cancelled before anything was measured. Press Run again, or choose another scan"
             status.running = status.waiting = None
             status.error = self.editor.refusal or " ".join(words.split())
-            self.changed(PageChange.STATUS)
+            instead = self.opening.readable_instead()
+            if instead is None:
+                self.changed(PageChange.STATUS, PageChange.WORK)
+                return
+            desk.notices.tell("Another scan opened", f"{status.error}; {instead} is opened instead", is_failure=True)
+            with self.keeper.lock:
+                self.opening.open_instead(instead)
+                self.desk.status.begin("opening …")
+                self.editor.ask()
+            self.changed(PageChange.RESULT, PageChange.SCAN, PageChange.WORK, PageChange.STATUS)
 
     # What is made and saved beside the runs.
 

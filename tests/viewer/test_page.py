@@ -439,3 +439,23 @@ def test_a_slider_that_moves_while_something_else_is_set_does_not_jump_back(serv
     assert (params.horizontal.theta_deg, params.levels.eps_m) == (20.0, 0.025)
     session.editor.undo()
     assert session.editor.work.params == Params().replaced("horizontal.theta_deg", 20.0)
+
+
+def test_a_folder_opens_on_the_first_scan_that_can_be_read_and_marks_the_others(folder, serve):
+    (folder / "other.ply").write_bytes(b"ply\nformat ascii 1.0\n")
+    app = App([folder], Params(), port=0)
+    try:
+        page = WirePage(app)
+        session = page.session
+        await_that(lambda: session.desk.shown is not None, "no scan was measured")
+        assert session.desk.shown.label == "stair.ply"
+        chooser = part_of(session, "scan").chooser
+        assert tuple(chooser.options) == ("other.ply (cannot be read)", "stair.ply")
+        assert chooser.value == "stair.ply"
+        # Chosen by a person it is opened, and its own sentence stays.
+        part_of(session, "scan").choose("other.ply (cannot be read)")
+        await_that(lambda: "other.ply" in (session.desk.status.error or ""), "the broken file is not said")
+        assert session.keeper.label == "other.ply"
+        page.close()
+    finally:
+        app.stop()

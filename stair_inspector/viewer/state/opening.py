@@ -46,6 +46,9 @@ class Opening:
         self._page = OpenPage(lambda: notices.is_closed, self._is_answering, end)
         self._browser_id: str | None = None
         self._uploads: tuple[str, ...] = ()
+        # Whether nobody has asked for the scan that is open, and which files could not be read when last tried.
+        self._is_first = False
+        self.unreadable: frozenset[str] = frozenset()
 
     def restore(self) -> None:
         """Take up what a page of this browser, now closed, was at; or open the scan it had last, or the first."""
@@ -56,7 +59,8 @@ class Opening:
             self._controls.load(self._keeper.work.params)
         else:
             labels = self._library.labels()
-            self._open(last if last in labels else labels[0], self._started)
+            self._is_first = last not in labels
+            self._open(labels[0] if self._is_first else str(last), self._started)
         if self._browser_id is not None:
             self._kept.arrive(self._browser_id, self._page)
 
@@ -82,6 +86,7 @@ class Opening:
         keeper = self._keeper
         if label == keeper.label:
             return False
+        self._is_first = False
         if keeper.has(label):
             self._controls.load(keeper.turn_to(label).params)
         else:
@@ -89,6 +94,21 @@ class Opening:
         if label not in self._uploads:
             self._client.local_storage.set_item(_SCAN_KEY, label)
         return True
+
+    def mark(self, label: str, *, is_readable: bool) -> None:
+        """Note whether a scan could be read."""
+        self.unreadable = self.unreadable - {label} if is_readable else self.unreadable | {label}
+
+    def readable_instead(self) -> str | None:
+        """Return the scan to open in place of a first one that nobody asked for and that cannot be read; else None."""
+        if not self._is_first or self._keeper.label not in self.unreadable:
+            return None
+        return next((label for label in self.labels() if label not in self.unreadable), None)
+
+    def open_instead(self, label: str) -> None:
+        """Turn to a scan that nobody asked for either."""
+        self.choose(label)
+        self._is_first = True
 
     def look_for_scans(self) -> tuple[int, int]:
         """Look into the folders again; return how many scans are new, and how many there are."""

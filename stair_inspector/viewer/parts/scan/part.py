@@ -12,6 +12,9 @@ from stair_inspector.viewer.parts.scan.upright import UprightTool
 from stair_inspector.viewer.state.change import PageChange
 from stair_inspector.viewer.state.library import upload_types
 
+_UNREADABLE = " (cannot be read)"
+"""What the menu says behind the name of such a scan."""
+
 
 class ScanPart(PagePart):
     """Opens scans, and says what is to be measured of them."""
@@ -71,6 +74,7 @@ class ScanPart(PagePart):
 
     def choose(self, label: str) -> None:
         """Open another scan. The page is empty until it is measured: what is done counts for it alone."""
+        label = next((known for known, words in self._menu().items() if words == label), label)
         desk, keeper = self._desk, self._context.keeper
         with desk.lock:
             with keeper.lock:
@@ -93,5 +97,11 @@ class ScanPart(PagePart):
         self._desk.notices.tell("Scans", f"{n_new} new, {n_all} in the menu")
 
     def _show_scans(self) -> None:
-        offer(self.chooser, self._context.opening.labels())
-        self.chooser.value = self._context.keeper.label
+        menu = self._menu()
+        offer(self.chooser, tuple(menu.values()))
+        self.chooser.value = menu[self._context.keeper.label]
+
+    def _menu(self) -> dict[str, str]:
+        """Return what the menu says of each scan."""
+        opening = self._context.opening
+        return {label: label + _UNREADABLE * (label in opening.unreadable) for label in opening.labels()}
