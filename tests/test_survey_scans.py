@@ -294,6 +294,7 @@ def test_winding_flights_are_flagged(name):
     assert n_false == 0
 
 
+@pytest.mark.slow
 def test_a_winder_is_flagged_and_its_rises_are_right():
     inspection, building, origin = survey("winder")
     assert [flight.shape for flight in inspection.flights] == ["winder"]

@@ -60,7 +60,7 @@ def test_the_status_tells_that_notes_need_a_look():
     assert "▲" not in status(quiet)
     loud = dataclasses.replace(quiet, notes=(*quiet.notes, Note("region_cuts", "verdict", "c", 1)))
     assert "▲ 1 note to look at" in status(loud)
-    assert html.details_html(loud).count("▲") == 1
+    assert html.notes_html(loud).count("▲") == 1
     assert "note" not in status(dataclasses.replace(quiet, notes=())).partition("<button")[2]
     # While something is computed the notes are those of an earlier result.
     assert "▲" not in status(loud, busy="measuring")

@@ -163,6 +163,7 @@ def test_dropouts_have_the_stated_share():
     assert abs(left - 0.8 * n) < 4.0 * math.sqrt(n * 0.2 * 0.8)
 
 
+@pytest.mark.slow
 def test_mixed_pixels_lie_between_two_surfaces_and_only_beside_jumps():
     building = build(Stair(n_risers=6, clutter=True))
     clean = scan(building, EXACT)

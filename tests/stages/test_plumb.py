@@ -169,6 +169,7 @@ def test_a_wall_larger_than_the_floor_is_not_up():
     assert degrees_between(up.vector, LEVEL) < 0.1
 
 
+@pytest.mark.slow
 def test_up_is_the_same_after_a_million_points_are_thinned():
     # 36 cells to a point of the other: more than the points used, so that a random share decides.
     dense = replace(STAIR, n_steps=5, spacing=0.004)

@@ -224,6 +224,7 @@ def test_a_page_that_comes_back_leaves_alone_what_others_have_saved_meanwhile(se
     assert title_in(folder / "stair.3.stair.json") == "mine again"
 
 
+@pytest.mark.slow
 def test_work_that_could_not_be_saved_before_a_reload_is_saved_after_it_whatever_scan_is_open(serve, folder):
     app = serve()
     page = WirePage(app)
@@ -414,6 +415,7 @@ def test_what_is_typed_as_the_title_is_one_change_and_only_a_title(serve):
     assert session.editor.work.title == ""
 
 
+@pytest.mark.slow
 def test_not_saved_stays_said_until_a_save_succeeds(serve, folder):
     page = WirePage(serve())
     page.await_result()

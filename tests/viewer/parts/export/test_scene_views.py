@@ -165,6 +165,7 @@ def test_without_work_meanwhile_the_camera_goes_back(session, monkeypatch):
     assert np.allclose(camera.position, wanted, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_scene_that_keeps_changing_is_drawn_by_the_program_and_said_so_once(session, monkeypatch):
     sizes = iter(range(3, 90))
     with working(session, monkeypatch, lambda: session.look.set_point_size(next(sizes)), at=range(100)):
@@ -176,6 +177,7 @@ def test_a_scene_that_keeps_changing_is_drawn_by_the_program_and_said_so_once(se
     assert not any(_DRAWN in view.caption for view in views if is_residual_map(view))
 
 
+@pytest.mark.slow
 def test_pictures_with_other_marks_than_the_reports_check_are_not_taken(session, monkeypatch):
     def judge_again():
         session.desk.marks = {1: StepMark("bad", "rise outside")}

@@ -220,6 +220,7 @@ def test_what_nobody_foresaw_is_said_once_and_in_the_log(page, monkeypatch):
     assert page.desk.told[0] == "a comparison or a sweep failed"
 
 
+@pytest.mark.slow
 def test_a_sweep_is_not_dropped_for_a_comparison_nor_held_up_by_one(page):
     page.comparing.keep("one")
     page.comparing._made.clear()
@@ -244,6 +245,7 @@ def test_a_sweep_that_is_stopped_offers_the_next(page):
     await_true(lambda: not page.comparing.stop.visible)
 
 
+@pytest.mark.slow
 def test_the_sweep_is_in_the_present_unit_and_goes_with_its_scan(page):
     page.comparing.sweep()
     await_true(lambda: 'data-complete="true"' in page.comparing.swept.content)
