@@ -20,6 +20,8 @@ UNITS: tuple[Unit, ...] = ("mm", "in")
 NOT_KNOWN = "–"
 M_PER_INCH = METRES_PER_UNIT["in"]
 _SIXTEENTHS = 16
+_INCH_DIGITS = 3
+"""Decimals of an inch where no uncertainty sets them: finer than a tenth of a millimetre."""
 _DIFFERENCE_PLACES: dict[ShownUnit, int] = {"in": 3, "mm": 1, "m": 3, "°": 2, "%": 2, "": 0}
 _TIE = 1e-9
 """In sixteenths: a thirty-second that lost its last bit on the way through metres is rounded up as all others."""
@@ -132,7 +134,7 @@ def value_and_u(measured: Measured, unit: ShownUnit, digits: int = 1) -> tuple[s
     """
     u = uncertainty_text(measured.u, unit)
     if unit == "in":
-        places = len(u.partition(".")[2])
+        places = len(u.partition(".")[2]) if measured.u else _INCH_DIGITS
         return f"{tidy(measured.value / M_PER_INCH, places):.{places}f}", u
     return number_text(measured.value, unit, places_of(_scaled(measured.u, unit), digits)), u
 

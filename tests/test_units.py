@@ -100,7 +100,7 @@ def test_an_uncertainty_in_inches_is_a_decimal_and_never_a_zero_that_is_none(u_m
 def test_a_value_in_inches_gives_the_fraction_and_the_decimal_with_its_uncertainty():
     assert measured_text(Measured(0.1701, 0.0004), "in") == "6 11/16 in (6.697 ± 0.016)"
     assert measured_text(Measured(0.3, 0.012), "in") == "11 13/16 in (11.81 ± 0.47)"
-    assert measured_text(Measured(0.0, 0.0), "in") == "0 in (0 ± 0)"
+    assert measured_text(Measured(0.0, 0.0), "in") == "0 in (0.000 ± 0)"
     assert parts_text(Measured(0.17, 0.0004, (("noise", 0.0004),)), "in") == "noise 0.016 in"
 
 
@@ -126,3 +126,7 @@ def test_the_dimensions_in_the_scene_are_written_in_the_unit_and_stay_where_they
         "width 39 3/8 in (39.370 ± 0.002)",
     ]
     assert (metric.arrows == imperial.arrows).all()
+
+
+def test_without_uncertainty_a_value_in_inches_keeps_its_decimals():
+    assert measured_text(Measured(0.1694, 0.0), "in") == "6 11/16 in (6.669 ± 0)"

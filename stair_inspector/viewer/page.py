@@ -227,9 +227,9 @@ class Page:
         """Show a result, all of it at once."""
         desk, look, status = self.desk, self.look, self.desk.status
         with desk.lock:
-            status.running = status.waiting = None
             if desk.is_closed or request.label != self.keeper.label:
                 return
+            status.running = status.waiting = None
             before = desk.shown
             is_new_scan = before is None or before.scan is not scan
             look.know_normals(scan, prepared.normals)
@@ -278,6 +278,9 @@ class Page:
             self.changed(PageChange.STATUS)
 
     def _on_saved(self, words: str, is_failure: bool) -> None:
+        # A page that is gone must not wait for whoever draws on it: its work is free for the next page only then.
+        if self.desk.is_closed:
+            return
         self.changed(PageChange.STATUS)
         if words:
             self.desk.notices.tell("Not saved" if is_failure else "Saved elsewhere", words, is_failure=is_failure)

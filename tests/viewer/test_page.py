@@ -20,6 +20,7 @@ from stair_inspector.files.projects import Measurement
 from stair_inspector.files.settings import preset_bytes
 from stair_inspector.params import Params
 from stair_inspector.viewer.app import App
+from stair_inspector.viewer.compute.runs import Request
 from stair_inspector.viewer.parts.tune.presets import OWN_PRESET, STARTED_WITH
 from stair_inspector.viewer.state import opening
 from stair_inspector.viewer.state.library import state_of
@@ -461,3 +462,36 @@ def test_a_folder_opens_on_the_first_scan_that_can_be_read_and_marks_the_others(
         page.close()
     finally:
         app.stop()
+
+
+def test_a_page_that_is_gone_hands_its_work_on_while_somebody_still_draws_on_it(serve):
+    app = serve()
+    page = WirePage(app)
+    page.await_result("stair.ply")
+    page.session.keeper.change("title", title="Kept")
+    has_lock, may_go = threading.Event(), threading.Event()
+
+    def draw():
+        with page.session.desk.lock:
+            has_lock.set()
+            may_go.wait(60.0)
+
+    drawing = threading.Thread(target=draw)
+    drawing.start()
+    assert has_lock.wait(10.0)
+    try:
+        leave(app, page)
+    finally:
+        may_go.set()
+        drawing.join()
+
+
+def test_a_late_result_of_the_scan_before_leaves_the_one_being_opened_said(serve):
+    page = WirePage(serve())
+    shown = page.await_result("stair.ply")
+    session = page.session
+    with session.desk.lock:
+        part_of(session, "scan").choose("other.ply")
+        assert session.desk.status.waiting == "opening …"
+        session._done(Request("stair.ply", session.editor.work.params), shown.scan, shown.inspection, None)
+        assert session.desk.status.waiting == "opening …"
