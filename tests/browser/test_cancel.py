@@ -30,7 +30,7 @@ def test_a_long_run_is_cancelled_and_run_again(browser, tmp_path, scans, open_pa
         assert page.text("scan").startswith("large.ply")
         assert page.survey_table() == []
         page.page.get_by_role("button", name="Run again").click()
-        page.by_id("used").wait_for(timeout=120_000)
+        page.by_id("used").wait_for(state="attached", timeout=120_000)
         page.await_result()
         assert len(page.survey_table()) == 10
     finally:

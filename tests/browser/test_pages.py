@@ -111,7 +111,7 @@ def test_a_large_scan_being_prepared_holds_up_nobody(browser, tmp_path, scans, o
         # The other page's run takes milliseconds; the rest is two software-rendered pages on cores that Open3D keeps
         # busy. In the server's own process the normals would stop it for as long as they take.
         assert delay < 4.0
-        first.by_id("used").wait_for(timeout=120_000)
+        first.by_id("used").wait_for(state="attached", timeout=120_000)
         first.await_result()
     finally:
         app.stop()
