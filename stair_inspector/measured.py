@@ -1,4 +1,4 @@
-"""Arithmetic with measured values: differences, sums and spreads, each with its expanded uncertainty (k = 2).
+"""Arithmetic with measured values: differences, sums, spreads and what is worked out from them, each with U (k = 2).
 
 Lengths are metres, angles degrees, slopes tangents. The parts of an uncertainty (:mod:`stages.doubt`) are of two kinds:
 
@@ -12,13 +12,15 @@ import math
 from collections.abc import Sequence
 from statistics import NormalDist
 
-from stair_inspector.model import Measured
+from stair_inspector.model import Flight, Measured, Step
 
 OWN_PARTS = ("noise", "edge", "resolution", "layers", "registration")
 """Parts that are independent from nosing to nosing."""
 COMMON_PARTS = ("up", "scale")
 """Parts that are one error of the whole scan."""
 _K = 2.0
+_ALL_ROUND = math.sqrt(-2.0 * math.log(0.05)) / 2.0
+"""A circle that holds 95 % of a normal error in two directions, in expanded uncertainties (k = 2) of one."""
 
 
 def usable(measured: Measured | None) -> Measured | None:
@@ -162,3 +164,58 @@ def spread_quantile(n: int) -> float:
         middle = (low + high) / 2.0
         low, high = (middle, high) if probability(middle) < 0.95 else (low, middle)
     return high
+
+
+def two_r_plus_g_of(step: Step, _: Step | None) -> Measured | None:
+    """Return twice the rise to a step and its going."""
+    rise, going = usable(step.rise_m), usable(step.going_m)
+    if rise is None or going is None:
+        return None
+    parts = {name: math.hypot(2.0 * part_of(rise, name), part_of(going, name)) for name in OWN_PARTS}
+    # A tilt that makes the rises larger makes the goings smaller.
+    parts["up"] = abs(2.0 * part_of(rise, "up") - part_of(going, "up"))
+    parts["scale"] = 2.0 * part_of(rise, "scale") + part_of(going, "scale")
+    return combined(2.0 * rise.value + going.value, parts)
+
+
+def diagonal_of(step: Step, above: Step | None) -> Measured | None:
+    """Return the distance from a step's nosing to the next one's; a tilt turns it and leaves its length."""
+    going, rise = step.going_m, None if above is None or above.flight != step.flight else above.rise_m
+    if going is None or rise is None:
+        return None
+    length = math.hypot(going.value, rise.value)
+    along, up = going.value / length, rise.value / length
+    parts = {name: math.hypot(along * part_of(going, name), up * part_of(rise, name)) for name in OWN_PARTS}
+    parts["up"] = abs(along * part_of(going, "up") - up * part_of(rise, "up"))
+    parts["scale"] = along * part_of(going, "scale") + up * part_of(rise, "scale")
+    return combined(length, parts)
+
+
+def steepest_slope_of(step: Step, _: Step | None) -> Measured | None:
+    """Return the slope in the steepest direction, a tangent, from the slopes along and across the climb."""
+    fall, cross_fall = usable(step.fall_deg), usable(step.cross_fall_deg)
+    if fall is None or cross_fall is None:
+        return None
+    along, across = (math.tan(math.radians(angle.value)) for angle in (fall, cross_fall))
+    slope = math.hypot(along, across)
+    u_along, u_across = (
+        math.radians(angle.u) * (1.0 + tangent * tangent) for angle, tangent in ((fall, along), (cross_fall, across))
+    )
+    if slope <= max(u_along, u_across):
+        # Level within its uncertainty: the steepest direction may be any.
+        return Measured(slope, _ALL_ROUND * max(u_along, u_across))
+    return Measured(slope, math.hypot(along * u_along, across * u_across) / slope)
+
+
+def rise_of_flight(flight: Flight, steps: Sequence[Step]) -> Measured | None:
+    """Return the sum of a flight's rises; None where one is missing."""
+    rises = [step.rise_m for step in steps]
+    known = [rise for rise in rises if rise is not None]
+    return total(known) if known and len(known) == len(rises) and len(rises) == flight.n_risers else None
+
+
+def run_of_flight(_: Flight, steps: Sequence[Step]) -> Measured | None:
+    """Return the sum of a flight's goings, from its first nosing to its last; None where one is missing."""
+    goings = [step.going_m for step in steps[:-1]]
+    known = [going for going in goings if going is not None]
+    return total(known) if known and len(known) == len(goings) else None

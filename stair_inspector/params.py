@@ -34,10 +34,6 @@ ScanUnit = Literal["auto", "m", "cm", "mm", "in", "ft"]
 NormalsSource = Literal["estimate", "given"]
 EdgeSource = Literal["auto", "tread", "face"]
 
-METRES_PER_UNIT: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
-"""Exact length of each unit, metres (international inch and foot)."""
-UNIT_NAMES: dict[str, str] = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
-
 
 @dataclass(frozen=True)
 class NormalsParams(Group):

@@ -10,7 +10,8 @@ from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection, Measured, Note, Scan, Step
 from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.quantities import IN_FILES, Quantity, quantity_of
+from stair_inspector.quantities import IN_FILES, quantity_of
+from stair_inspector.quantity_types import Quantity
 
 CODE = "unsettled"
 """Of the note on a step that names a value which moves."""

@@ -9,12 +9,16 @@ from typing import Literal
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Measured
-from stair_inspector.params import METRES_PER_UNIT
-from stair_inspector.quantities import NOTATIONS, QUANTITIES, Notation, SiUnit
+from stair_inspector.quantities import QUANTITIES
+from stair_inspector.quantity_types import NOTATIONS, Notation, SiUnit
 
 Unit = Literal["mm", "in"]
 ShownUnit = Literal["mm", "in", "m", "°", "%", ""]
 """Of a length a unit, of another quantity its sign."""
+
+METRES_PER_UNIT: dict[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+"""Exact length of each unit, metres (international inch and foot)."""
+UNIT_NAMES: dict[str, str] = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
 UNITS: tuple[Unit, ...] = ("mm", "in")
 NOT_KNOWN = "–"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.overrules import NAMED_UP, parse_up
-from stair_inspector.params import METRES_PER_UNIT, SETTINGS, FlightsParams, Params
+from stair_inspector.params import SETTINGS, FlightsParams, Params
 from tests.synthetic import CHANGES
 
 NAMES = list(SETTINGS)
@@ -113,11 +113,6 @@ def test_the_knob_of_a_setting_without_numbers_says_so():
     for name in ("method", "axes.rule", "levels.nothing", "nothing.eps_m", "levels"):
         with pytest.raises(ConfigError, match="not a numeric setting"):
             SETTINGS.knob(name)
-
-
-def test_units_are_exact():
-    assert METRES_PER_UNIT == {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
-    assert METRES_PER_UNIT["ft"] == pytest.approx(12 * METRES_PER_UNIT["in"], rel=1e-15)
 
 
 # --- up ------------------------------------------------------------------------------------------------------------

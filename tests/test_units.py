@@ -7,7 +7,10 @@ import pytest
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Measured
+from stair_inspector.params import KNOWN_UNITS
 from stair_inspector.units import (
+    METRES_PER_UNIT,
+    UNIT_NAMES,
     fraction_text,
     length_text,
     measured_text,
@@ -130,3 +133,12 @@ def test_the_dimensions_in_the_scene_are_written_in_the_unit_and_stay_where_they
 
 def test_without_uncertainty_a_value_in_inches_keeps_its_decimals():
     assert measured_text(Measured(0.1694, 0.0), "in") == "6 11/16 in (6.669 ± 0)"
+
+
+def test_units_are_exact():
+    assert METRES_PER_UNIT == {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+    assert METRES_PER_UNIT["ft"] == pytest.approx(12 * METRES_PER_UNIT["in"], rel=1e-15)
+
+
+def test_a_file_in_each_unit_is_read_and_named_in_it():
+    assert METRES_PER_UNIT.keys() == UNIT_NAMES.keys() == set(KNOWN_UNITS)

@@ -2,7 +2,9 @@
 
 from stair_inspector.codes.findings import DECISIONS, Check, Decision, Finding, Fit, Verdict, gravest
 from stair_inspector.codes.judge import check
-from stair_inspector.codes.rules import Condition, Limit, Rule, RuleEdit, RuleSet, edited, overlaid
+from stair_inspector.codes.limits import Limit
+from stair_inspector.codes.rule_sets import RuleSet, edited, overlaid
+from stair_inspector.codes.rules import Condition, Rule, RuleEdit
 from stair_inspector.units import notation_of, shown
 
 __all__ = [

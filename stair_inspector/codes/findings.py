@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Literal
 
-from stair_inspector.codes.rules import Limit, Rule, RuleEdit, RuleSet, Side
+from stair_inspector.codes.limits import Limit
+from stair_inspector.codes.rule_sets import RuleSet
+from stair_inspector.codes.rules import Rule, RuleEdit, Side
 from stair_inspector.units import shown
 
 Decision = Literal["guarded", "simple"]

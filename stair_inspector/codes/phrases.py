@@ -1,7 +1,9 @@
 """Words for what a check found: a value, a limit, a place, a distance to a limit."""
 
 from stair_inspector.codes.findings import Finding
-from stair_inspector.codes.rules import Limit, Rule, RuleEdit, RuleSet
+from stair_inspector.codes.limits import Limit
+from stair_inspector.codes.rule_sets import RuleSet
+from stair_inspector.codes.rules import Rule, RuleEdit
 from stair_inspector.units import notation_of, shown
 
 

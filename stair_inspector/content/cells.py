@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from stair_inspector.codes.findings import Finding, Verdict
 from stair_inspector.content.document import Cell, Column, Number
 from stair_inspector.model import Measured, Statistics
-from stair_inspector.quantities import QUANTITIES, Quantity, SiUnit
+from stair_inspector.quantities import QUANTITIES
+from stair_inspector.quantity_types import Quantity, SiUnit
 from stair_inspector.units import places_of
 
 QUANTITY_WORDS: dict[str, str] = {**{quantity.name: quantity.words for quantity in QUANTITIES}, "other": ""}

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Observation
-from stair_inspector.params import SETTINGS, UNIT_NAMES, Params
+from stair_inspector.params import SETTINGS, Params
+from stair_inspector.units import UNIT_NAMES
 
 _FLAG = r"--([a-z][a-z0-9-]*(?:\.[a-z][a-z0-9-]*)?)(?:=|\s+)([^\s;,]+(?:,[^\s;,]+)*)"
 _FLAGS = re.compile(rf"{_FLAG}(?:\s+{_FLAG})*")

@@ -4,13 +4,14 @@ import math
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from stair_inspector.codes.rules import LENGTH_UNITS, parse_written
+from stair_inspector.codes.limits import LENGTH_UNITS, parse_written
 from stair_inspector.content.texts import require_text
 from stair_inspector.content.written import split_unit
 from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.toml import check_keys
-from stair_inspector.params import METRES_PER_UNIT
-from stair_inspector.quantities import OF_FLIGHT, OF_STEP, ON_LINES, SiUnit
+from stair_inspector.quantities import OF_FLIGHT, OF_STEP, ON_LINES
+from stair_inspector.quantity_types import SiUnit
+from stair_inspector.units import METRES_PER_UNIT
 
 Line = Literal["left", "centre", "right"]
 STEP_READINGS: dict[str, SiUnit] = {quantity.name: quantity.unit for quantity in OF_STEP if quantity.is_read}

@@ -2,7 +2,7 @@
 
 import datetime
 
-from stair_inspector.codes.rules import is_plain_line
+from stair_inspector.codes.texts import is_plain_line
 from stair_inspector.errors import ConfigError, brief
 
 LONGEST_TEXT = 4000

@@ -4,8 +4,9 @@ import math
 from collections.abc import Sequence
 
 from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
+from stair_inspector.codes.limits import Limit
 from stair_inspector.codes.phrases import gap_text, in_place_of, limit_words, value_text
-from stair_inspector.codes.rules import Limit, Side
+from stair_inspector.codes.rules import Side
 from stair_inspector.content.cells import numbers_of, outside_counts
 from stair_inspector.content.document import Status, plain
 from stair_inspector.content.note_words import note_sentence, note_words

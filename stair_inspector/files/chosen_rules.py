@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from typing import get_args
 
 from stair_inspector.codes import Decision, Limit, Rule, RuleEdit, RuleSet, edited, overlaid
+from stair_inspector.codes.limits import LIMIT_UNITS
 from stair_inspector.codes.phrases import limit_words
-from stair_inspector.codes.rules import LIMIT_UNITS, Side, check_id
+from stair_inspector.codes.rules import Side
+from stair_inspector.codes.texts import check_id
 from stair_inspector.errors import ConfigError, brief, is_one_line
 from stair_inspector.files.rule_sets import list_rule_sets, parse_rule_set
 from stair_inspector.files.toml import check_keys

@@ -3,7 +3,8 @@
 from typing import Any, get_args
 
 from stair_inspector.codes import Limit, RuleEdit
-from stair_inspector.codes.rules import Side, check_id
+from stair_inspector.codes.rules import Side
+from stair_inspector.codes.texts import check_id
 from stair_inspector.errors import ConfigError, brief, is_one_line
 from stair_inspector.files.chosen_rules import (
     MOST_EDITS,

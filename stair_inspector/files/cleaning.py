@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
 from stair_inspector.geometry.arrays import Floats, Ints
-from stair_inspector.params import METRES_PER_UNIT, KnownUnit
+from stair_inspector.params import KnownUnit
+from stair_inspector.units import METRES_PER_UNIT
 
 _NEAR_M = 1000.0
 _FARTHEST_M = 1e9

@@ -7,7 +7,10 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from stair_inspector.codes.rules import UNITS, Condition, Limit, Rule, RuleSet, is_plain_line
+from stair_inspector.codes.limits import UNITS, Limit
+from stair_inspector.codes.rule_sets import RuleSet
+from stair_inspector.codes.rules import Condition, Rule
+from stair_inspector.codes.texts import is_plain_line
 from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.toml import check_keys, parse_toml, read_toml_bytes

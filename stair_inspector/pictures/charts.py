@@ -11,8 +11,9 @@ from typing import Literal
 import numpy as np
 
 from stair_inspector.codes.findings import Check, Verdict, gravest
+from stair_inspector.codes.limits import Limit
 from stair_inspector.codes.phrases import limit_words
-from stair_inspector.codes.rules import Limit, Rule
+from stair_inspector.codes.rules import Rule
 from stair_inspector.model import Flight, Inspection, Measured, Statistics, Step
 from stair_inspector.pictures import svg
 from stair_inspector.pictures.nosing_line import NosingLine, nosing_line

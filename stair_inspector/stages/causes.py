@@ -8,12 +8,13 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.model import Chain, Chains, Horizontal, Inspection, Level, Patches, Scan, Surface
-from stair_inspector.params import METRES_PER_UNIT, SETTINGS, UNIT_NAMES, FlightsParams, Params
+from stair_inspector.params import SETTINGS, FlightsParams, Params
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.examine import POINTS_PER_TREAD, TREAD_M2, size_text
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.hopeless import why_hopeless
 from stair_inspector.stages.rejects import Forced, lean_deg, narrow_side, plan_keys
+from stair_inspector.units import METRES_PER_UNIT, UNIT_NAMES
 
 _ADVICE = "check the up direction, then theta_th, eps_z and m"
 _FEW_FACE_UP = 0.02

@@ -8,7 +8,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, freeze
 from stair_inspector.model import Scan
-from stair_inspector.params import METRES_PER_UNIT
+from stair_inspector.units import METRES_PER_UNIT
 
 Rounding = Literal["", "float32", "rounded", "lattice"]
 

@@ -12,7 +12,8 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import BLURRED, IMPOSSIBLE, Examination, Flight, Note, Step, StepShape
 from stair_inspector.params import FlightsParams
-from stair_inspector.quantities import IN_TABLE, OF_STEP, Quantity, RestsOn
+from stair_inspector.quantities import IN_TABLE, OF_STEP
+from stair_inspector.quantity_types import Quantity, RestsOn
 from stair_inspector.stages.blurred import find_blurred
 from stair_inspector.stages.flight_values import statistics_of
 from stair_inspector.stages.survey import Survey

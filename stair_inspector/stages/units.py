@@ -13,9 +13,10 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.lattice import Lattice, find_lattices
 from stair_inspector.geometry.normals import estimate_normals_at, morton_order
 from stair_inspector.model import Note, Observation, Scan, Step
-from stair_inspector.params import KNOWN_UNITS, METRES_PER_UNIT, UNIT_NAMES, KnownUnit
+from stair_inspector.params import KNOWN_UNITS, KnownUnit
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.readings import LONGEST_PERIOD_M, pick_thinned
+from stair_inspector.units import METRES_PER_UNIT, UNIT_NAMES
 
 READ_STAGE = "read"
 GUESSED = "unit_guessed"

@@ -5,7 +5,8 @@ import io
 from typing import Any
 
 from stair_inspector.model import Inspection, Step
-from stair_inspector.quantities import IN_FILES, LINES, ON_LINES, PAPER_QUANTITIES, with_above
+from stair_inspector.quantities import IN_FILES, ON_LINES, PAPER_QUANTITIES, with_above
+from stair_inspector.quantity_types import LINES
 
 
 def csv_bytes(inspection: Inspection) -> bytes:

@@ -6,19 +6,13 @@ from collections.abc import Iterable, Sequence
 
 from stair_inspector.codes.findings import DECISIONS, Check, Finding, Verdict, gravest
 from stair_inspector.codes.phrases import gap_text, in_place_of, limit_words, limits_text, place_text, value_text
-from stair_inspector.codes.rules import GRADES, OWN_FILE, Rule, RuleSet
+from stair_inspector.codes.rule_sets import OWN_FILE, RuleSet
+from stair_inspector.codes.rules import GRADES, Rule
 from stair_inspector.content.examination import examination_lines
 from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.model import Inspection
-from stair_inspector.quantities import (
-    IN_TABLE,
-    PAPER_QUANTITIES,
-    QUANTITIES,
-    SHOWN_OF_PAPER,
-    PaperQuantity,
-    Quantity,
-    with_above,
-)
+from stair_inspector.quantities import IN_TABLE, PAPER_QUANTITIES, QUANTITIES, SHOWN_OF_PAPER, with_above
+from stair_inspector.quantity_types import PaperQuantity, Quantity
 from stair_inspector.units import measured_text, shown, shown_in, value_and_u
 
 _STATISTICS = {

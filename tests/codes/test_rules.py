@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stair_inspector.codes.rules import UNITS, Condition, Limit, Rule, RuleSet, edited, overlaid, parse_written
+from stair_inspector.codes.limits import UNITS, Limit, parse_written
+from stair_inspector.codes.rule_sets import RuleSet, edited, overlaid
+from stair_inspector.codes.rules import Condition, Rule
 from stair_inspector.errors import ConfigError
 
 # --- limits --------------------------------------------------------------------------------------------------------

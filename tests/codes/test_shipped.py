@@ -5,7 +5,7 @@ from functools import cache
 import pytest
 
 from stair_inspector.codes import Verdict, check, overlaid
-from stair_inspector.codes.rules import RuleSet
+from stair_inspector.codes.rule_sets import RuleSet
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets
 from stair_inspector.writers.text import rule_set_text

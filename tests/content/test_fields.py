@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from stair_inspector.codes.rules import is_plain_line
+from stair_inspector.codes.texts import is_plain_line
 from stair_inspector.content.fields import (
     FIELD_GROUPS,
     Checklist,

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stair_inspector.codes.rules import Limit, RuleSet
+from stair_inspector.codes.limits import Limit
+from stair_inspector.codes.rule_sets import RuleSet
 from stair_inspector.errors import ConfigError, brief
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.rule_sets import (

@@ -21,7 +21,8 @@ from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import SUFFIXES, find_scans, read_scan
 from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import Scan
-from stair_inspector.params import METRES_PER_UNIT, ScanUnit
+from stair_inspector.params import ScanUnit
+from stair_inspector.units import METRES_PER_UNIT
 
 REAL = Path(__file__).parents[2].parent / "shared" / "scans"
 

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from stair_inspector.codes.judge import check
-from stair_inspector.codes.rules import Limit, Rule, RuleSet, edited
+from stair_inspector.codes.limits import Limit
+from stair_inspector.codes.rule_sets import RuleSet, edited
+from stair_inspector.codes.rules import Rule
 from stair_inspector.model import Measured
 from stair_inspector.pictures import svg
 from stair_inspector.pictures.charts import ROWS_PER_PICTURE, STEPS_PER_ROW, nosing_charts, step_charts

@@ -5,8 +5,8 @@ import pytest
 
 from stair_inspector.files.cleaning import to_local_metres
 from stair_inspector.model import Scan
-from stair_inspector.params import METRES_PER_UNIT
 from stair_inspector.stages.coordinate_steps import find_steps
+from stair_inspector.units import METRES_PER_UNIT
 from tests.synthetic import Stair, rotation
 
 STAIR = Stair(n_steps=5, spacing=0.012, noise=0.002, risers=True, floor_depth=1.2)

@@ -9,9 +9,10 @@ from stair_inspector.content.cures import cures_of
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import read_scan
 from stair_inspector.model import Note
-from stair_inspector.params import KNOWN_UNITS, METRES_PER_UNIT, NormalsParams, Params
+from stair_inspector.params import KNOWN_UNITS, NormalsParams, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.stages.units import decide_unit
+from stair_inspector.units import METRES_PER_UNIT
 from tests.synthetic import Stair, make_scan, rotation
 
 STAIR = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.025, noise=0.001, floor_depth=1.2)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Rgb
-from stair_inspector.quantities import PaperQuantity, Quantity
+from stair_inspector.quantity_types import PaperQuantity, Quantity
 
 DIM = "light-dark(var(--mantine-color-gray-7), var(--mantine-color-dark-1))"
 """Of side notes in small letters; what the page calls dimmed is too pale for them."""

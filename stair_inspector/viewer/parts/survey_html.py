@@ -9,16 +9,8 @@ from stair_inspector.model import NO_NOSING, Flight, Inspection, Measured, Note,
 from stair_inspector.pictures.coloring import rejected_of
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.segmentation import MOST_REJECTED, SURFACE
-from stair_inspector.quantities import (
-    COMPARED,
-    IN_TABLE,
-    LINES,
-    ON_CARD,
-    ON_LINES,
-    Quantity,
-    RestsOn,
-    with_above,
-)
+from stair_inspector.quantities import COMPARED, IN_TABLE, ON_CARD, ON_LINES, with_above
+from stair_inspector.quantity_types import LINES, Quantity, RestsOn
 from stair_inspector.stability import words_about
 from stair_inspector.units import (
     NOT_KNOWN,

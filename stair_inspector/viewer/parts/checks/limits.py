@@ -2,7 +2,8 @@
 
 import viser
 
-from stair_inspector.codes.rules import Limit, Rule, Side
+from stair_inspector.codes.limits import Limit
+from stair_inspector.codes.rules import Rule, Side
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.chosen_rules import is_usable, limit_of, with_edit, without_edits
 from stair_inspector.files.rule_sets import parse_limit

@@ -8,7 +8,7 @@ from typing import Literal, cast, get_args
 import numpy as np
 import viser
 
-from stair_inspector.codes.rules import LENGTH_UNITS
+from stair_inspector.codes.limits import LENGTH_UNITS
 from stair_inspector.content.cells import QUANTITY_WORDS
 from stair_inspector.content.fields import FIELD_GROUPS, Checklist, Paper, ReportBasis, ReportFields
 from stair_inspector.content.images import read_logo, read_photo

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from stair_inspector.codes.rules import LENGTH_UNITS
+from stair_inspector.codes.limits import LENGTH_UNITS
 from stair_inspector.content.cross_checks import readings_table
 from stair_inspector.content.images import read_photo
 from stair_inspector.content.readings import STEP_READINGS
