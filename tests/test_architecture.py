@@ -1,6 +1,7 @@
 """The house keeps its order: read from the imports themselves."""
 
 import ast
+import functools
 import re
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -61,34 +62,53 @@ HEAVY = {"open3d", "trimesh", "sklearn", "scipy", "typst", "ezdxf", "xlsxwriter"
 TRUTH = PACKAGE / "files" / "simulations.py"
 """May list quantities: what a simulated stair truly is must not be defined by what measures it."""
 FILES = sorted(PACKAGE.rglob("*.py"))
-EACH_FILE = pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(PACKAGE)))
+ALL_FILES = frozenset(FILES)
 
 
 def room_of(file):
     return file.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
+@functools.cache
+def tree_of(file):
+    """A file's syntax tree, parsed once for all tests."""
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
+def what_is_wrong(find, files):
+    """What ``find`` finds in each file, by the file's name; of all files at once, as each takes a moment."""
+    found = {str(file.relative_to(PACKAGE)): find(file) for file in files}
+    assert found, "there is a file to look at"
+    return {name: wrong for name, wrong in found.items() if wrong}
+
+
 def imports_of(tree):
     """(module, imported at once, not only for the type checker) of every import in a module's tree."""
+
+    found = []
 
     def walk(node, at_once):
         for child in ast.iter_child_nodes(node):
             if isinstance(child, ast.Import):
-                yield from ((alias.name, at_once) for alias in child.names)
+                found.extend((alias.name, at_once) for alias in child.names)
             elif isinstance(child, ast.ImportFrom):
                 assert child.level == 0, "imports are absolute"
-                yield child.module, at_once
+                found.append((child.module, at_once))
                 # "from stair_inspector import files" names a room as well.
-                yield from ((f"{child.module}.{alias.name}", at_once) for alias in child.names)
-            is_later = isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
+                found.extend((f"{child.module}.{alias.name}", at_once) for alias in child.names)
+            is_later = isinstance(child, (ast.FunctionDef, ast.AsyncFunctionDef))
             is_for_types = isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test)
-            yield from walk(child, at_once and not is_later and not is_for_types)
+            # No expression holds a statement.
+            if not isinstance(child, ast.expr):
+                walk(child, at_once and not is_later and not is_for_types)
 
-    yield from walk(tree, True)
+    walk(tree, True)
+    return found
 
 
+@functools.cache
 def imports_in(file):
-    return list(imports_of(ast.parse(file.read_text(encoding="utf-8"))))
+    return tuple(imports_of(tree_of(file)))
 
 
 def rooms_imported(file):
@@ -96,49 +116,54 @@ def rooms_imported(file):
     return {part[1] for part in parts if part[0] == "stair_inspector" and len(part) > 1 and part[1] in RANK}
 
 
-@EACH_FILE
-def test_imports_go_one_way(file):
-    room = room_of(file)
-    if room == "__init__":
-        assert rooms_imported(file) == set()
-        return
-    assert room in RANK, f"{room} has no place in the order of rooms"
-    too_high = {other for other in rooms_imported(file) if other != room and RANK[other] >= RANK[room]}
-    assert too_high == set()
+def libraries_imported(file):
+    return {module.split(".")[0] for module, _ in imports_in(file)}
 
 
-@pytest.mark.parametrize("file", [file for file in FILES if room_of(file) in CORE], ids=lambda file: file.stem)
-def test_the_core_knows_neither_disk_nor_page(file):
-    modules = {module.split(".")[0] for module, _ in imports_in(file)}
-    assert modules & {"viser", "tyro"} == set()
-    assert rooms_imported(file) & {"files", "viewer", "cli"} == set()
+def test_imports_go_one_way():
+    def too_high(file):
+        room = room_of(file)
+        if room == "__init__":
+            return rooms_imported(file)
+        assert room in RANK, f"{room} has no place in the order of rooms"
+        return {other for other in rooms_imported(file) if other != room and RANK[other] >= RANK[room]}
+
+    assert what_is_wrong(too_high, FILES) == {}
 
 
-@EACH_FILE
-def test_slow_libraries_are_imported_inside_functions(file):
-    assert {module for module, at_once in imports_in(file) if at_once and module.split(".")[0] in HEAVY} == set()
+def test_the_core_knows_neither_disk_nor_page():
+    core = [file for file in FILES if room_of(file) in CORE]
+    assert what_is_wrong(lambda file: libraries_imported(file) & {"viser", "tyro"}, core) == {}
+    assert what_is_wrong(lambda file: rooms_imported(file) & {"files", "viewer", "cli"}, core) == {}
 
 
-@EACH_FILE
-def test_the_values_of_the_model_have_one_way_in(file):
-    if room_of(file) != "model":
-        assert {module for module, _ in imports_in(file) if module.startswith("stair_inspector.model.")} <= {
-            f"stair_inspector.model.{name}" for name in stair_inspector.model.__all__
-        }
+def test_slow_libraries_are_imported_inside_functions():
+    def slow(file):
+        return {module for module, at_once in imports_in(file) if at_once and module.split(".")[0] in HEAVY}
+
+    assert what_is_wrong(slow, FILES) == {}
 
 
-@EACH_FILE
-def test_only_the_viewer_knows_viser(file):
-    if room_of(file) != "viewer":
-        assert "viser" not in {module.split(".")[0] for module, _ in imports_in(file)}
+def test_the_values_of_the_model_have_one_way_in():
+    way_in = {f"stair_inspector.model.{name}" for name in stair_inspector.model.__all__}
+
+    def other_ways(file):
+        return {module for module, _ in imports_in(file) if module.startswith("stair_inspector.model.")} - way_in
+
+    assert what_is_wrong(other_ways, [file for file in FILES if room_of(file) != "model"]) == {}
 
 
-@EACH_FILE
-def test_only_the_command_line_prints_and_exits(file):
-    if room_of(file) in CORE | {"files"}:
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-        called = {ast.unparse(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
-        assert called & {"print", "exit", "quit", "sys.exit", "os._exit", "input"} == set()
+def test_only_the_viewer_knows_viser():
+    others = [file for file in FILES if room_of(file) != "viewer"]
+    assert what_is_wrong(lambda file: libraries_imported(file) & {"viser"}, others) == {}
+
+
+def test_only_the_command_line_prints_and_exits():
+    def calls(file):
+        called = {ast.unparse(node.func) for node in ast.walk(tree_of(file)) if isinstance(node, ast.Call)}
+        return called & {"print", "exit", "quit", "sys.exit", "os._exit", "input"}
+
+    assert what_is_wrong(calls, [file for file in FILES if room_of(file) in CORE | {"files"}]) == {}
 
 
 def names_of_quantities():
@@ -170,12 +195,11 @@ def quantities_listed(tree, names):
             yield node.lineno, said
 
 
-@EACH_FILE
-def test_quantities_are_listed_in_one_place(file):
-    if file in (PACKAGE / "quantities.py", TRUTH):
-        return
-    found = list(quantities_listed(ast.parse(file.read_text(encoding="utf-8")), names_of_quantities()))
-    assert found == [], "read them from quantities.py"
+def test_quantities_are_listed_in_one_place():
+    names = names_of_quantities()
+    files = [file for file in FILES if file not in (PACKAGE / "quantities.py", TRUTH)]
+    listed = what_is_wrong(lambda file: list(quantities_listed(tree_of(file), names)), files)
+    assert listed == {}, "read them from quantities.py"
 
 
 @pytest.mark.parametrize(
@@ -216,7 +240,7 @@ def public_names(tree):
 def test_every_public_name_of_a_type_or_function_means_one_thing():
     places = {}
     for file in FILES:
-        for kind, name in public_names(ast.parse(file.read_text(encoding="utf-8"))):
+        for kind, name in public_names(tree_of(file)):
             # Each command is a file whose "run" runs it.
             if name not in ("main", "run") or kind == "type":
                 places.setdefault((kind, name), []).append(str(file.relative_to(PACKAGE)))
@@ -295,11 +319,9 @@ def numbers_of_stairs(tree):
                 yield ast.unparse(node)
 
 
-@pytest.mark.parametrize(
-    "file", [file for file in FILES if room_of(file) in ("stages", "geometry")], ids=lambda f: f.stem
-)
-def test_what_staircases_are_like_stands_in_priors(file):
-    assert list(numbers_of_stairs(ast.parse(file.read_text(encoding="utf-8")))) == []
+def test_what_staircases_are_like_stands_in_priors():
+    files = [file for file in FILES if room_of(file) in ("stages", "geometry")]
+    assert what_is_wrong(lambda file: list(numbers_of_stairs(tree_of(file))), files) == {}
 
 
 def test_the_finder_of_numbers_of_stairs_sees_constants_and_limits():
@@ -379,15 +401,20 @@ def test_the_viewer_has_few_names_at_its_top():
     assert len(names) <= 8
 
 
-@pytest.mark.parametrize("file", [file for file in FILES if room_of(file) == "viewer"], ids=lambda file: str(file.name))
-def test_imports_go_one_way_inside_the_viewer(file):
-    name = ".".join(("stair_inspector", *file.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__")
-    floor, part = place_in_viewer(name)
-    for module, _ in imports_in(file):
-        if module.startswith("stair_inspector.viewer."):
-            other_floor, other_part = place_in_viewer(module)
-            assert other_floor <= floor, module
-            assert other_part in ("", part) or file.name == "page.py", f"{module}: a part knows no other part"
+def test_imports_go_one_way_inside_the_viewer():
+    def wrong_ways(file):
+        name = ".".join(("stair_inspector", *file.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__")
+        floor, part = place_in_viewer(name)
+        for module, _ in imports_in(file):
+            if module.startswith("stair_inspector.viewer."):
+                other_floor, other_part = place_in_viewer(module)
+                if other_floor > floor:
+                    yield f"{module}: lies above"
+                if other_part not in ("", part) and file.name != "page.py":
+                    yield f"{module}: a part knows no other part"
+
+    files = [file for file in FILES if room_of(file) == "viewer"]
+    assert what_is_wrong(lambda file: list(wrong_ways(file)), files) == {}
 
 
 def files_imported(file):
@@ -395,7 +422,7 @@ def files_imported(file):
     for module, _ in imports_in(file):
         place = ROOT.joinpath(*module.split("."))
         for found in (place.with_suffix(".py"), place / "__init__.py"):
-            if found.exists() and found != file and found.is_relative_to(PACKAGE):
+            if found != file and found in ALL_FILES:
                 yield found
 
 
@@ -415,7 +442,7 @@ def test_the_viewer_says_what_its_values_are():
         f"{file.relative_to(PACKAGE)}:{node.lineno}"
         for file in FILES
         if room_of(file) == "viewer"
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        for node in ast.walk(tree_of(file))
         if isinstance(node, ast.Name) and node.id == "Any"
     ]
     assert len(said) < 20, said
@@ -427,7 +454,7 @@ def test_the_page_is_short_and_has_few_attributes():
     assert len(source.splitlines()) <= 350
     kept = {
         node.attr
-        for node in ast.walk(ast.parse(source))
+        for node in ast.walk(tree_of(file))
         if isinstance(node, ast.Attribute)
         and isinstance(node.ctx, ast.Store)
         and isinstance(node.value, ast.Name)
