@@ -1,16 +1,11 @@
 """Drills: a change that should take one place is made in a copy of the package, and seen wherever it must appear."""
 
-import os
-import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-from stair_inspector.files.paths import static_configs
-
-ROOT = Path(__file__).parent.parent
+from tests.package_copy import ROOT, copy_package, environment_of
 
 NEW_QUANTITY = """
     Quantity(
@@ -76,19 +71,16 @@ print([place for place, is_there in found.items() if not is_there])
 
 @pytest.mark.slow
 def test_a_new_quantity_of_a_step_is_added_in_one_place_and_appears_everywhere(tmp_path):
-    package = tmp_path / "stair_inspector"
-    shutil.copytree(ROOT / "stair_inspector", package, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copytree(static_configs(), tmp_path / "static_configs")
+    package = copy_package(tmp_path)
     file = package / "quantities.py"
     before = file.read_text(encoding="utf-8")
     start = '    Quantity(\n        name="two_r_plus_g",'
     assert before.count(start) == 1
     file.write_text(before.replace(start, NEW_QUANTITY.lstrip("\n") + start), encoding="utf-8")
     schema = tmp_path / "static_configs" / "schemas" / "inspection-1.schema.json"
-    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"}
     done = subprocess.run(
         [sys.executable, "-c", SEEN, str(tmp_path), str(schema)],
-        env=environment,
+        env=environment_of(tmp_path, ROOT),
         cwd=tmp_path,
         capture_output=True,
         text=True,
@@ -146,9 +138,7 @@ app.stop()
 
 
 def test_a_new_part_of_the_page_is_one_folder_and_one_line(tmp_path):
-    package = tmp_path / "stair_inspector"
-    shutil.copytree(ROOT / "stair_inspector", package, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copytree(static_configs(), tmp_path / "static_configs")
+    package = copy_package(tmp_path)
     folder = package / "viewer" / "parts" / "greeting"
     folder.mkdir()
     (folder / "__init__.py").write_text("", encoding="utf-8")
@@ -163,7 +153,7 @@ def test_a_new_part_of_the_page_is_one_folder_and_one_line(tmp_path):
     file.write_text(source, encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-c", SEEN_OF_PART, str(tmp_path)],
-        env={**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}"},
+        env=environment_of(tmp_path, ROOT),
         cwd=tmp_path,
         capture_output=True,
         text=True,

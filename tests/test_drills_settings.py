@@ -1,16 +1,14 @@
 """A setting is one declaration: one that is added to a copy of the package in one place stands everywhere at once."""
 
 import json
-import os
-import shutil
 import subprocess
 import sys
 import textwrap
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parent.parent
+from tests.package_copy import copy_package, environment_of
+
 BEFORE = "    min_points: Annotated[\n"
 DECLARED = """\
     wobble_m: Annotated[
@@ -72,15 +70,13 @@ WHAT_IS_SEEN = """\
 def seen(tmp_path_factory):
     """What a copy of the package shows of one setting more, which was added in one place."""
     copy = tmp_path_factory.mktemp("copy")
-    shutil.copytree(ROOT / "stair_inspector", copy / "stair_inspector", ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copytree(ROOT / "static_configs", copy / "static_configs")
-    declared = copy / "stair_inspector" / "params.py"
+    declared = copy_package(copy) / "params.py"
     source = declared.read_text(encoding="utf-8")
     assert source.count(BEFORE) == 1
     declared.write_text(source.replace(BEFORE, DECLARED + BEFORE), encoding="utf-8")
     made = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(WHAT_IS_SEEN)],
-        env={**os.environ, "PYTHONPATH": str(copy), "COLUMNS": "80", "PYTHONIOENCODING": "utf-8"},
+        env={**environment_of(copy), "COLUMNS": "80", "PYTHONIOENCODING": "utf-8"},
         cwd=copy,
         capture_output=True,
         encoding="utf-8",

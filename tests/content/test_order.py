@@ -687,8 +687,7 @@ def test_of_a_curved_flight_the_report_says_on_which_line_it_was_measured():
 
 
 def test_the_papers_method_reports_its_own_quantities_and_judges_nothing():
-    scan, _ = scanned()
-    inspection = inspect(scan, Params(method="paper"))
+    inspection = by_the_paper()
     made = plain_document(inspection, check(inspection, find_rule_set("us-ibc-2021")))
     assert len(table_of(made, "paper").rows) == len(inspection.steps)
     assert not any(table.key == "steps" for table in made.tables())

@@ -1,14 +1,12 @@
 """The drill of a new scan format: one file, one line."""
 
-import os
-import shutil
 import subprocess
 import sys
-from pathlib import Path
 
+from stair_inspector import cli
+from tests.package_copy import copy_package, environment_of
 from tests.synthetic import Stair
 
-ROOT = Path(__file__).parent.parent.parent
 READER = '''"""Reads ABC: the word ABC, then x, y, z as little-endian float64."""
 
 import numpy as np
@@ -30,32 +28,24 @@ FORMAT = ScanFormat(".abc", "'ABC'", is_abc, read_abc)
 '''
 
 
-def measure(copy, folder):
-    """What ``measure`` gives in a copy of the program for a folder of scans."""
-    environment = {**os.environ, "PYTHONPATH": str(copy)}
-    words = ["measure", str(folder), "-o", str(copy / "out"), "--up", "z", "--unit", "m"]
-    command = [sys.executable, "-m", "stair_inspector", *words]
-    return subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, check=False)
-
-
-def test_a_new_format_is_one_file_and_one_line(tmp_path):
+def test_a_new_format_is_one_file_and_one_line(tmp_path, capsys):
     copy, folder = tmp_path / "copy", tmp_path / "scans"
-    for name in ("stair_inspector", "static_configs"):
-        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+    room = copy_package(copy) / "files"
     folder.mkdir()
     points, *_ = Stair(noise=0.002).sample()
     (folder / "stair.abc").write_bytes(b"ABC" + points.astype("<f8").tobytes())
-    before = measure(copy, folder)
-    assert before.returncode == 3
-    assert "this folder holds no scans" in before.stderr
+    words = ["measure", str(folder), "-o", str(copy / "out"), "--up", "z", "--unit", "m"]
+    assert cli.main(words) == 3
+    assert "this folder holds no scans" in capsys.readouterr().err
 
-    room = copy / "stair_inspector" / "files"
     (room / "abc_scan.py").write_text(READER, encoding="utf-8")
     table = (room / "scans.py").read_text(encoding="utf-8")
     line = '    "pcd_scan",\n'
     assert table.count(line) == 1
     (room / "scans.py").write_text(table.replace(line, line + '    "abc_scan",\n'), encoding="utf-8")
-    after = measure(copy, folder)
+    command = [sys.executable, "-m", "stair_inspector", *words]
+    environment = environment_of(copy)
+    after = subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, check=False)
     assert after.stderr == ""
     assert after.returncode == 0
     assert (copy / "out" / "stair.json").is_file()
