@@ -14,7 +14,7 @@ from stair_inspector.model import Observation, Scan
 from stair_inspector.params import FlightsParams, Params
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.examine import POINTS_PER_TREAD, TREAD_M2, examine, size_text
-from stair_inspector.stages.orient import LEAST_POINTS
+from stair_inspector.stages.floor_planes import LEAST_POINTS
 from stair_inspector.units import METRES_PER_UNIT, UNIT_NAMES
 
 _Measure = TypeVar("_Measure", bound=Callable[..., Any])

@@ -10,20 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector import priors
-from stair_inspector.geometry.arrays import Bools, Floats, Ints, project
+from stair_inspector.geometry.arrays import Bools, Floats, project
 from stair_inspector.geometry.lattice import Lattice, find_lattices
-from stair_inspector.model import Observation, Scan
-from stair_inspector.overrules import NAMED_UP
+from stair_inspector.stages.camera_frames import looks_down_deg
 from stair_inspector.stages.reach import reach_of
+from stair_inspector.stages.thinned import Thinned
 
-_VOXEL_M = 0.02
-_MOST_POINTS = 30_000
 LONGEST_PERIOD_M = 0.5
 _SAME_DEG = 15.0
 """Directions that differ by less are one direction, found with more or less care."""
 
-# Weights are natural logarithms of odds; a reading that leads by _SURE is ten times as likely as the next.
-_SURE = 2.3
+# Weights are natural logarithms of odds; a reading that leads by SURE is ten times as likely as the next.
+SURE = 2.3
 _WORST = -7.0
 _Z_WEIGHTS = ((1.0, 5.0), (3.0, 4.0), (20.0, 2.0))
 """What it weighs that up is the file's z axis, to so many degrees: a levelled scanner writes z up, and exactly so."""
@@ -46,19 +44,9 @@ _FLOOR_LEAST, _FLOOR_MOST = -0.5, 1.5
 _FLOOR_START = 200.0
 _SENSOR_WEIGHT = 5.0
 _LOOKS_DOWN_DEG = 35.0
-_LOOKS_STEEPLY_DEG = 55.0
 _LOOKS_STRAIGHT_DOWN = -4.0
 """Cameras look ahead, or some way down: what a camera that looks straight down weighs."""
-_CONE_DEG = 62.0
-_IN_CONE, _LEAST_RANGE_M = 0.98, 0.1
-_RAY_DEG = 1.0
-_RAY_SPREAD = 0.1
-_MOST_SPREAD_RAYS = 0.1
-"""From where a camera stood one sees one surface in each direction, but for the edges."""
-_FACES_COS = math.cos(math.radians(12.0))
-_NAME_DEG = 2.0
-_BESIDE_LEVEL_M = 0.05
-_NEARLY_ALL, _SEEN_THROUGH, _PLAN_CELL_M = 0.9, 0.25, 0.1
+_PLAN_CELL_M = 0.1
 _FEWEST_OF_EITHER = 2
 """The sides of bars and the treads they form make a rhythm by chance, in which one face is the whole second family."""
 _ON_RHYTHM, _MOSTLY_ON, _FEWEST_TREADS = 0.15, 0.7, 2
@@ -79,36 +67,6 @@ class Reading:
     def up(self) -> Floats:
         """The direction that is up in this reading, (3,)."""
         return self.lattice.up
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Thinned:
-    """Points (n, 3) of a scan thinned to an even density, and their unit normals, sign free."""
-
-    points: Floats
-    normals: Floats
-
-
-def thin(points: Floats, normals: Floats) -> Thinned:
-    """Thin a scan to one point in each voxel, and to no more than are needed to see a rhythm."""
-    ids = pick_thinned(points)
-    return Thinned(points[ids], normals[ids])
-
-
-def pick_thinned(points: Floats) -> Ints:
-    """Return the indices of one point in each voxel, and of no more than are needed to see a rhythm."""
-    ids = one_of_each_voxel(points, _VOXEL_M)
-    if len(ids) > _MOST_POINTS:
-        ids = np.sort(np.random.default_rng(0).choice(ids, _MOST_POINTS, replace=False))
-    return ids
-
-
-def one_of_each_voxel(points: Floats, voxel_m: float) -> Ints:
-    """Return the index of one point of each cube of this side, in the order of the scan."""
-    cells = np.floor((points - points.min(axis=0)) / voxel_m).astype(np.uint64)
-    # Distinct cells of one hash are rare, and then only one point more is lost.
-    code = cells @ np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
-    return np.sort(np.unique(code, return_index=True)[1])
 
 
 def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bool) -> list[Reading]:
@@ -154,140 +112,9 @@ def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bo
     return sorted(readings, key=lambda reading: -reading.weight)
 
 
-def question_of(readings: list[Reading]) -> Observation | None:
-    """Return the question which way is up, where two readings fit about equally well."""
-    if len(readings) < 2 or readings[0].weight - readings[1].weight >= _SURE:
-        return None
-    first, second = readings[:2]
-    texts = [
-        f"up along {name_of(each.up)}, rise {1000.0 * each.lattice.rise_m:.0f} mm and going "
-        f"{1000.0 * each.lattice.going_m:.0f} mm"
-        for each in (first, second)
-    ]
-    return Observation(
-        "up_unsure",
-        "question",
-        f"the stair can be read in two ways: {texts[0]}; or {texts[1]}",
-        cure=f"--up={name_of(first.up)} or --up={name_of(second.up)}",
-    )
-
-
-def question_of_camera(points: Floats, up: Floats) -> Observation | None:
-    """Return the question which way is up, where a camera's view shows no rhythm and would look straight down or up.
-
-    Parameters
-    ----------
-    points : (n, 3)
-        Taken from the origin.
-    up : (3,)
-        What would be taken.
-    """
-    if _looks_down_deg(points, up) <= _LOOKS_STEEPLY_DEG:
-        return None
-    # A camera that is held upright has its frame's vertical square to where it looks.
-    across = "xyz"[int(np.argmin(np.maximum(np.abs(_view_of(points)), np.abs(up))))]
-    return Observation(
-        "up_unsure",
-        "question",
-        f"a camera took this scan, and with up along {name_of(up)} it would have looked straight up or down; treads "
-        "and risers may have changed places",
-        cure=f"--up={across} or --up=-{across} or --up={name_of(up)}",
-    )
-
-
-def question_of_side(scan: Thinned, up: Floats, height_m: float) -> Observation | None:
-    """Return the question which side is up, where all lies below the largest level surface, as floors lie upside down.
-
-    Parameters
-    ----------
-    scan : Thinned
-        In which treads follow each other and no riser shows, as with open risers.
-    up : (3,)
-        What would be taken.
-    height_m : float
-        Where that surface is along it.
-    """
-    heights = project(scan.points.T, up) - height_m
-    is_level = np.abs(project(scan.normals.T, up)) >= _FACES_COS
-    n_below, n_above = (int(np.count_nonzero(way * heights > _BESIDE_LEVEL_M)) for way in (-1.0, 1.0))
-    if n_below < _NEARLY_ALL * (n_below + n_above):
-        return None
-    # A ceiling or a landing leaves headroom over treads; a floor is seen through them.
-    is_at = is_level & (np.abs(heights) <= _BESIDE_LEVEL_M)
-    is_next = is_level & (heights < -_BESIDE_LEVEL_M) & (heights >= -priors.HEADROOM_M / 2.0)
-    side = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
-    axes = np.stack([side, np.cross(up, side)])
-    cells = np.floor(scan.points @ axes.T / _PLAN_CELL_M).astype(np.int64) @ np.array([1, 1 << 31])
-    if not is_next.any() or float(np.isin(cells[is_next], cells[is_at]).mean()) < _SEEN_THROUGH:
-        return None
-    names = name_of(up), name_of(-up)
-    return Observation(
-        "up_unsure",
-        "question",
-        f"no risers tell which side of the treads is up: with up along {names[0]} nearly everything lies below the "
-        f"largest level surface; along {names[1]} it is the floor",
-        cure=f"--up={names[1]} or --up={names[0]}",
-    )
-
-
-def _looks_down_deg(points: Floats, up: Floats) -> float:
-    """Return by how much a camera at the origin looks down or up, degrees."""
-    return abs(math.degrees(math.asin(float(np.clip(_view_of(points) @ up, -1.0, 1.0)))))
-
-
-def _view_of(points: Floats) -> Floats:
-    """Return where a camera at the origin looks, unit vector (3,)."""
-    look = points.mean(axis=0)
-    view: Floats = look / np.linalg.norm(look)
-    return view
-
-
-def name_of(up: Floats) -> str:
-    """Return a direction as ``--up`` takes it: the name of an axis, or three numbers."""
-    for name, axis in NAMED_UP.items():
-        if float(np.dot(axis, up)) >= math.cos(math.radians(_NAME_DEG)):
-            return name
-    return ",".join(f"{component + 0.0:.3f}" for component in np.round(up, 3))
-
-
 def is_same_way(first: Floats, second: Floats) -> bool:
     """Return whether two directions are the same or opposite, but for the care with which they were found."""
     return abs(float(first @ second)) >= math.cos(math.radians(_SAME_DEG))
-
-
-def is_view(scan: Scan, points: Floats) -> bool:
-    """Return whether some points of a scan were taken from its origin, in one direction, as a camera's frame is."""
-    if scan.origin_m.any():
-        return False
-    # What a camera sees between two surfaces may lie anywhere, also beside it.
-    ranges = np.linalg.norm(points, axis=1)
-    is_far = ranges > _LEAST_RANGE_M
-    if np.count_nonzero(is_far) < _IN_CONE * len(points):
-        return False
-    ranges = ranges[is_far]
-    rays = points[is_far] / ranges[:, None]
-    ahead = rays.mean(axis=0)
-    length = float(np.linalg.norm(ahead))
-    is_in_cone = rays @ ahead >= length * math.cos(math.radians(_CONE_DEG))
-    if length <= 0.0 or np.count_nonzero(is_in_cone) < _IN_CONE * len(points):
-        return False
-    side = 1.0 / math.radians(_RAY_DEG)
-    cells = np.floor((rays + 1.0) * side).astype(np.int64)
-    _, ray_of = np.unique(cells @ np.array([1, 1000, 1_000_000]), return_inverse=True)
-    nearest = np.full(ray_of.max() + 1, np.inf)
-    farthest = np.zeros(len(nearest))
-    np.minimum.at(nearest, ray_of, ranges)
-    np.maximum.at(farthest, ray_of, ranges)
-    several = np.bincount(ray_of) > 1
-    if not several.any():
-        return False
-    spread = (farthest - nearest)[several] > _RAY_SPREAD * nearest[several]
-    return float(spread.mean()) <= _MOST_SPREAD_RAYS
-
-
-def side_of_sensor(points: Floats, up: Floats) -> float:
-    """Return how many more of the faces of a camera's view lie below the camera than above, as a share, -1 to 1."""
-    return float(np.sign(-project(points.T, up)).mean())
 
 
 def _as_built(lattice: Lattice, max_rise_m: float) -> float:
@@ -319,7 +146,7 @@ def _as_camera(scan: Thinned, lattice: Lattice) -> float:
         ]
     )
     seen = float(sides.mean()) if len(sides) else 0.0
-    down_deg = _looks_down_deg(scan.points, lattice.up)
+    down_deg = looks_down_deg(scan.points, lattice.up)
     straight = max(0.0, down_deg - _LOOKS_DOWN_DEG) / (90.0 - _LOOKS_DOWN_DEG)
     return _SENSOR_WEIGHT * seen + _LOOKS_STRAIGHT_DOWN * straight
 
@@ -329,7 +156,7 @@ def _faces_on(scan: Thinned, lattice: Lattice) -> tuple[Bools, Bools]:
     ahead, above = _in_profile(scan, lattice)
     numbers = (*lattice.treads, *lattice.risers)
     is_near = (np.abs(above + 0.5) <= 0.8) & (ahead >= min(numbers) - 0.2) & (ahead <= max(numbers) + 1.2)
-    turned = [np.abs(project(scan.normals.T, axis)) >= _FACES_COS for axis in (lattice.up, lattice.ahead)]
+    turned = [scan.face(axis) for axis in (lattice.up, lattice.ahead)]
     return is_near & turned[0], is_near & turned[1]
 
 
@@ -348,7 +175,7 @@ def _span(scan: Thinned, lattice: Lattice) -> _Span:
     """
     ahead = [k for tread in lattice.treads for k in (tread, tread + 1)] + list(lattice.risers)
     upwards = [k for riser in lattice.risers for k in (riser - 1, riser)] + list(lattice.treads)
-    is_level = np.abs(project(scan.normals.T, lattice.up)) >= _FACES_COS
+    is_level = scan.face(lattice.up)
     low_m, high_m = reach_of(scan.points, is_level, lattice)
     return min(ahead), max(ahead), min(low_m, min(upwards) * lattice.rise_m), max(high_m, max(upwards) * lattice.rise_m)
 
@@ -375,7 +202,7 @@ def _air_above(scan: Thinned, lattice: Lattice, span: _Span) -> float:
     side = np.cross(lattice.up, lattice.ahead)
     ahead, height = project(shifted, lattice.ahead) / lattice.going_m, project(shifted, lattice.up)
     first, last, low_m, high_m = span
-    is_wall = np.abs(project(scan.normals.T, side)) >= _FACES_COS
+    is_wall = scan.face(side)
     is_wall &= np.abs(project(shifted, side)) <= lattice.width_m / 2.0 + _WALL_REACH_M
     is_wall &= (ahead >= first) & (ahead <= last)
     # Where a stair turns, risers face as walls do; none is as tall.
@@ -404,7 +231,7 @@ def _nosings(scan: Thinned, lattice: Lattice) -> float:
     """
     shifted = (scan.points - lattice.origin).T
     ahead, height = project(shifted, lattice.ahead), project(shifted, lattice.up)
-    is_level, is_upright = (np.abs(project(scan.normals.T, axis)) >= _FACES_COS for axis in (lattice.up, lattice.ahead))
+    is_level, is_upright = (scan.face(axis) for axis in (lattice.up, lattice.ahead))
     n_front = n_back = 0
     for k in lattice.risers:
         from_riser, share = ahead - k * lattice.going_m, height / lattice.rise_m - k
@@ -429,7 +256,7 @@ def _surroundings(scan: Thinned, lattice: Lattice, span: _Span) -> float:
     """Weigh what lies around: the floor is larger than the landing, and there is more above a stair than below it."""
     shifted = (scan.points - lattice.origin).T
     ahead, height = project(shifted, lattice.ahead) / lattice.going_m, project(shifted, lattice.up) / lattice.rise_m
-    is_level = np.abs(project(scan.normals.T, lattice.up)) >= _FACES_COS
+    is_level = scan.face(lattice.up)
     first, last, low_m, high_m = span
     low, high = low_m / lattice.rise_m, high_m / lattice.rise_m
     n_floor = np.count_nonzero(is_level & (np.abs(height - low) <= 0.3) & (ahead < first))
@@ -461,8 +288,7 @@ def _floor_for(scan: Thinned, lattice: Lattice) -> float:
     """Weigh the level surfaces beyond the stair against the upright: floors come without walls, not walls alone."""
     _, above = _in_profile(scan, lattice)
     level, upright = (
-        np.count_nonzero((np.abs(project(scan.normals.T, axis)) >= _FACES_COS) & (np.abs(above + 0.5) > 0.8))
-        for axis in (lattice.up, lattice.ahead)
+        np.count_nonzero(scan.face(axis) & (np.abs(above + 0.5) > 0.8)) for axis in (lattice.up, lattice.ahead)
     )
     weight = math.log((level + _FLOOR_START) / (upright + _FLOOR_START))
     return float(np.clip(weight, _FLOOR_LEAST, _FLOOR_MOST))

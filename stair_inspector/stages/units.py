@@ -15,7 +15,8 @@ from stair_inspector.geometry.normals import estimate_normals_at, morton_order
 from stair_inspector.model import Note, Observation, Scan, Step
 from stair_inspector.params import KNOWN_UNITS, KnownUnit
 from stair_inspector.stages.density import find_spacing
-from stair_inspector.stages.readings import LONGEST_PERIOD_M, pick_thinned
+from stair_inspector.stages.readings import LONGEST_PERIOD_M
+from stair_inspector.stages.thinned import pick_thinned
 from stair_inspector.units import METRES_PER_UNIT, UNIT_NAMES
 
 READ_STAGE = "read"

@@ -24,8 +24,10 @@ from stair_inspector.memo import Memo
 from stair_inspector.model import Scan
 from stair_inspector.params import NormalsParams, Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.stages.camera_frames import is_view
 from stair_inspector.stages.orient import POINTS_TO_COMPARE, find_normals
-from stair_inspector.stages.readings import is_view, read_rhythm, thin
+from stair_inspector.stages.readings import read_rhythm
+from stair_inspector.stages.thinned import thin
 from stair_inspector.stages.units import decide_unit
 from tests.synthetic import Stair, make_scan
 

@@ -12,8 +12,11 @@ from stair_inspector.overrules import parse_up
 from stair_inspector.params import FloorParams, NormalsParams, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.stages import readings
+from stair_inspector.stages.camera_frames import is_view
 from stair_inspector.stages.orient import find_normals, find_up
-from stair_inspector.stages.readings import is_view, name_of, one_of_each_voxel, question_of, read_rhythm, thin
+from stair_inspector.stages.readings import read_rhythm
+from stair_inspector.stages.thinned import one_of_each_voxel, thin
+from stair_inspector.stages.up_questions import name_of, question_of
 from tests.camera_views import AXES, View
 from tests.synthetic import Stair, make_scan, motion, rotation
 
