@@ -33,6 +33,8 @@ _GOES_ON_UP = 0.35
 """A face above which as large a share of its points follows at the same place is a wall."""
 _LEVEL_RISES = 0.2
 """How far from where the rhythm says a tread may lie, in rises."""
+_LEVEL_M = 0.04
+"""How far off a step's height what it lies on may be: a thick runner, or a mat."""
 _ENOUGH_TREAD = 0.5
 _OF_THE_FOOT = ("foot_unclear", "foot_tall", "treads_missing")
 """Notes that say already what is known of a flight's lower end."""
@@ -111,7 +113,8 @@ def note_what_goes_on(
                 row, _ = _row(heights, rhythm, rhythm.going_m, 1, "above")
                 is_above, has_riser, found = not above, row is not None and row.has_face, found + above
                 if is_above and _is_nothing_behind(heights, rhythm):
-                    notes.append(_scan_ends(flight, heights))
+                    lower_m = _level_behind(heights, own[-1])
+                    notes.append(_scan_ends(flight, heights) if lower_m is None else _goes_on_level(flight, lower_m))
                     is_above = False
             if is_below:
                 rhythm = _rhythm_of(own[0], climbs[0], size)
@@ -154,6 +157,33 @@ def _is_nothing_behind(heights: HeightOrder, rhythm: _Rhythm) -> bool:
     is_behind = (s >= -reach_m) & (s <= _BEHIND_GOINGS * rhythm.going_m)
     is_behind &= np.abs(w) <= rhythm.half_width_m * (1.0 - 2.0 * _INSET)
     return int(np.count_nonzero(is_behind)) < _FEWEST_POINTS
+
+
+def _level_behind(heights: HeightOrder, shape: StepShape) -> float | None:
+    """Return by how much a level surface that goes on behind a flight's last step lies lower, metres; None without.
+
+    It ends no flight by itself: it is another surface than the step, which may lie on it as a thick runner does.
+    """
+    z = heights.coordinates_m[2]
+    start, stop = np.searchsorted(z, shape.plane.z0_m + np.array([-_LEVEL_M, _LEVEL_M]))
+    shift = heights.coordinates_m[:2, start:stop] - shape.origin_m[:, None]
+    s, w = shape.climb @ shift, shape.climb[0] * shift[1] - shape.climb[1] * shift[0]
+    (low, high), s_high = shape.line_range, shape.extent[1]
+    behind = (s >= s_high + _FACE_M) & (s <= s_high + priors.LONGEST_TREAD_M) & (w >= low) & (w <= high)
+    behind &= heights.alignment[start:stop] >= _LEVEL
+    if not _is_across(w[behind], (high - low) / 2.0):
+        return None
+    return float(np.median((shape.plane.z0_m + shape.plane.slope[0] * s - z[start:stop])[behind]))
+
+
+def _goes_on_level(flight: Flight, lower_m: float) -> Note:
+    last, way = flight.step_ids[-1], "lower" if lower_m > 0.0 else "higher"
+    message = (
+        f"flight {flight.flight_id} ends at step {last}, behind which a level surface goes on "
+        f"{abs(lower_m) * 1000.0:.0f} mm {way}: a landing on which something lies, as a thick runner of carpet; where "
+        "that lies on the treads too, its surface was measured and not the treads'"
+    )
+    return Note("two_levels", "survey", message, last)
 
 
 def _unseen_ends(flight: Flight, is_above: bool, has_riser: bool, is_below: bool) -> list[Note]:

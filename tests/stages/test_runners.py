@@ -137,3 +137,11 @@ def test_a_mat_on_one_tread_is_no_runner():
     inspection = inspect(make_scan(points + np.outer(is_on, [0.0, 0.0, 0.009])), PARAMS)
     assert len(inspection.steps) == N_STEPS
     assert {"runner", "two_levels"}.isdisjoint(codes(inspection))
+
+
+def test_where_a_thick_runner_is_taken_for_the_treads_the_landing_behind_it_is_said_and_the_scan_does_not_end():
+    inspection = found(0.2, 0.9, 0.02)
+    assert "scan_ends" not in codes(inspection)
+    (note,) = [note for note in inspection.notes if note.code == "two_levels"]
+    assert "behind which a level surface goes on 20 mm lower" in note.message
+    assert note.step == N_STEPS
