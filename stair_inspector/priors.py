@@ -21,6 +21,8 @@ LONGEST_TREAD_M = 0.62
 STEEPEST_TREAD_DEG = 12.0
 """A surface that leans more is a piece of a ramp or of a slanting object; treads of a badly levelled scan lean less."""
 
+FLOOR_STRIP_M = 0.6
+"""Of a floor or landing only so much at the stair counts, beyond it may lean otherwise: less than the longest tread."""
 NARROWEST_TREAD_M = 0.1
 """A surface that is narrower is a railing, a ledge or a beam."""
 SMALLEST_TREAD_M2 = 0.03
@@ -59,7 +61,8 @@ WINDING_TURN_DEG = 8.0
 SPIRAL_DEG = 120.0
 """A flight that turns by more in all, always the same way, is a spiral; by less, winders."""
 STRAIGHT_ON_DEG = 10.0
-"""Flights whose directions differ by less go straight on over the landing between them."""
+"""Flights whose directions differ by less go straight on over the landing between them: a limit between flights, of
+which each has several edges; between two single edges of patches it is ``pace.SAME_CLIMB_DEG``."""
 SHORTEST_EDGE_M = 0.2
 """Two treads that touch along a shorter edge do not follow each other by that alone."""
 NARROWEST_FLIGHT_M = 0.56
@@ -80,6 +83,8 @@ BUILT_PARALLEL_DEG = 0.25
 """How parallel the nosings of a straight flight are at least."""
 BUILT_LEVEL_DEG = 0.1
 """How level treads are on the whole, where no floor says whether they are."""
+UNLEVEL_DEG = 0.3
+"""Three of these: floors and treads that lean by less are built so, by some millimetres in a metre."""
 
 # What the paper's height clusters must show to be called a staircase: lenient, because clusters mix surfaces.
 PAPER_RISE_M = (0.06, 0.35)

@@ -9,10 +9,8 @@ import math
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.edges import EdgeLine, fit_line_robust
+from stair_inspector.geometry.edges import EdgeLine, Sampling, count_bins, fit_line_robust
 
-_BIN_M = 0.08
-_FEWEST_BINS, _MOST_BINS = 2, 16
 _STRAYS, _DEEP = 2, 9
 """Of the points of a piece, from outside: so many may have strayed, and up to this one they tell how dense they lie."""
 _REACH_M = 0.12
@@ -47,7 +45,7 @@ def find_rim_edge(
     and the k-th of them from outside, whose scatter is the root of k times it.
     """
     low, high = span
-    n_bins = int(np.clip((high - low) / _BIN_M, _FEWEST_BINS, _MOST_BINS))
+    n_bins = count_bins(span, Sampling(sigma_m, 0.0))
     inside = (along > low) & (along < high) & (np.abs(out - guess_m) <= _REACH_M)
     out, piece = out[inside], ((along[inside] - low) / (high - low) * n_bins).astype(np.int64)
     order = np.lexsort((-out, piece))

@@ -9,10 +9,9 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, freeze
-from stair_inspector.geometry.edges import EdgeLine, fit_line_robust
+from stair_inspector.geometry.edges import TUKEY, EdgeLine, fit_line_robust
 from stair_inspector.model import Arc, Chain, StepShape
 from stair_inspector.stages.links import turn_deg
-from stair_inspector.stages.planes import STRIP_M
 
 _FEWEST_NOSINGS = 4
 _FEWEST_IF_SLIGHT, _SLIGHT_DEG = 5, 3.0
@@ -24,14 +23,16 @@ _LEAST_TURN_DEG = 3.0
 _ON_ARC_DEG, _ON_ARC_SIGMAS = 1.0, 4.0
 """A nosing turned away from the arc by more is not on it: it is turned by a defect, or the flight has no one arc."""
 _LEAST_ON_ARC = 0.7
-_ROUGH_DEG, _LEAST_ROUGH_DEG, _MOST_TURN_DEG = 4.0, 4.0, 14.0
-"""The edges of patches lie this near to an even turn; it is worth a look from so much in all, up to so much a step."""
+_ROUGH_DEG, _LEAST_ROUGH_DEG, _MOST_ARC_TURN_DEG = 4.0, 4.0, 14.0
+"""The edges of patches lie this near to an even turn; it is worth a look from so much in all, up to so much a step.
+What turns by more, up to ``priors.MOST_TURN_DEG``, winds: its centre is too near for a curve."""
 _OFF_ARC_M, _OFF_ARC_SHARE = 0.04, 0.1
 """How far the middles of the nosings may lie from the arc, and as a share of how far it departs from its chord."""
-_SIDE_DIFFERS_M = 0.05
+SIDE_DIFFERS_M = 0.05
+"""A side that lies farther inside those of most steps may be the rim of a shadow."""
 _LINE_FLOOR_M, _SIDE_FLOOR_M = 0.0005, 0.003
 """What the place of a nosing and of a side is uncertain by at least, beside the scatter along it."""
-_TUKEY, _CENTRE_ROUNDS, _SETTLED_M = 4.685, 15, 1e-6
+_CENTRE_ROUNDS, _SETTLED_M = 15, 1e-6
 _MIDDLE_SHARE = 0.63
 """Standard uncertainty of the mean of two medians, over the root of the sum of the squares of theirs from a scatter."""
 
@@ -55,7 +56,7 @@ def turning_climbs(chain: Chain) -> list[Floats] | None:
     start = float(np.median(angles - per_step * own))
     off = np.abs(angles - start - per_step * own)
     is_even = np.count_nonzero(off <= _ROUGH_DEG) >= _LEAST_ON_ARC * len(inner)
-    if not is_even or abs(per_step) > _MOST_TURN_DEG or abs(per_step) * (own[-1] - own[0]) < _LEAST_ROUGH_DEG:
+    if not is_even or abs(per_step) > _MOST_ARC_TURN_DEG or abs(per_step) * (own[-1] - own[0]) < _LEAST_ROUGH_DEG:
         return None
     begin = math.atan2(inner[0][1], inner[0][0])
     fitted = begin + np.radians(start + per_step * places)
@@ -156,7 +157,7 @@ def span_beside(arc: Arc, origin: Floats, climb: Floats, span: tuple[float, floa
     """Return the range along a side of a tread's range along its middle: all its edges run to the centre."""
     _, aside = _to_frame(arc, origin, climb)
     low, high = span
-    return low, low + min(1.0, abs(aside - w_m) / max(abs(aside), 1e-6)) * min(high - low, STRIP_M)
+    return low, low + min(1.0, abs(aside - w_m) / max(abs(aside), 1e-6)) * min(high - low, priors.FLOOR_STRIP_M)
 
 
 def side_of(arc: Arc, origin: Floats, climb: Floats, edge: EdgeLine) -> EdgeLine:
@@ -186,7 +187,7 @@ def with_arc_sides(shapes: Sequence[StepShape], arc: Arc) -> list[StepShape]:
         for name, outside in (("left", -arc.sense), ("right", arc.sense)):
             edge: EdgeLine = getattr(shape, name)
             hidden = outside * (usual[name] - radii[name][k])
-            if hidden > _SIDE_DIFFERS_M + 4.0 * edge.noise_m and edge.source == "tread":
+            if hidden > SIDE_DIFFERS_M + 4.0 * edge.noise_m and edge.source == "tread":
                 changes[name] = replace(edge, noise_m=math.hypot(edge.noise_m, hidden / 2.0), support=0.0)
         left_w, right_w = (_crossing(shape, arc, usual[name]) for name in ("left", "right"))
         if left_w is not None and right_w is not None:
@@ -227,7 +228,7 @@ def _fit_centre(shapes: Sequence[StepShape], arc: Arc) -> tuple[Arc, dict[str, f
         rows[n:, :2] = -out / distances[:, None]
         rows[n : n + m, 3], rows[n + m :, 4] = -1.0, -1.0
         spread = max(1.0, _scatter_about_zero(residual / sigma))
-        scaled = residual / (_TUKEY * spread * sigma)
+        scaled = residual / (TUKEY * spread * sigma)
         weight = np.where(np.abs(scaled) < 1.0, (1.0 - scaled**2) ** 2, 0.0) / sigma**2
         normal = np.einsum("ni,n,nj->ij", rows, weight, rows)
         # A side that nobody saw leaves its radius to the others.

@@ -14,13 +14,14 @@ from stair_inspector.stages.examine import POINTS_PER_TREAD, TREAD_M2, size_text
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.hopeless import why_hopeless
 from stair_inspector.stages.rejects import Forced, lean_deg, narrow_side, plan_keys
+from stair_inspector.stages.up_questions import BESIDE_LEVEL_M
 from stair_inspector.units import METRES_PER_UNIT, UNIT_NAMES
 
 _ADVICE = "check the up direction, then theta_th, eps_z and m"
 _FEW_FACE_UP = 0.02
-_MERGED_M = 0.1
+MERGED_M = 0.1
+"""A level whose points spread over more than this is several that ran together."""
 _BELOW_SHARE = 0.9
-_BESIDE_LEVEL_M = 0.05
 _LARGE = 0.3
 _STACKED, _OVER_SHARE = 3, 0.5
 _LEAST_SHELF_M = 0.1
@@ -75,7 +76,7 @@ def _why_no_surface(scan: Scan, paper: Inspection, horizontal: Horizontal) -> st
             f"{paper.params.horizontal.theta_deg:g}°); give another up direction, as --up z"
         )
     tallest_m = max((level.high_m - level.low_m for level in paper.levels), default=0.0)
-    if tallest_m > _MERGED_M:
+    if tallest_m > MERGED_M:
         return (
             f"{what}: one level spans {size_text(tallest_m)}, so several have run together; lower eps_z or raise m, "
             "and check the up direction"
@@ -215,8 +216,8 @@ def _upside_down(scan: Scan, paper: Inspection, patches: Patches) -> Cause | Non
     if any(other.area_m2 >= _LARGE * largest.area_m2 and other.height_m < largest.height_m for other in others):
         return None
     above = scan.points @ paper.up.vector - largest.height_m
-    n_below = int(np.count_nonzero(above < -_BESIDE_LEVEL_M))
-    n_above = int(np.count_nonzero(above > _BESIDE_LEVEL_M))
+    n_below = int(np.count_nonzero(above < -BESIDE_LEVEL_M))
+    n_above = int(np.count_nonzero(above > BESIDE_LEVEL_M))
     if n_below < max(_LARGE * len(above), _BELOW_SHARE * (n_below + n_above)):
         return None
     axis = "xyz"[int(np.abs(paper.up.vector).argmax())]

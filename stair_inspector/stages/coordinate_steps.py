@@ -31,7 +31,7 @@ _WIDEST_ALONE_M = 0.03
 _FEWEST_SITES, _MANY_SITES = 5, 100
 _FEWEST_REPEATS = 3
 _DOUBLE = 4e-16
-_FLOAT32 = 2.0**-23
+FLOAT32 = 2.0**-23
 
 _NEIGHBOURHOODS, _NEIGHBOURS = 5, 400
 _WINDOW_M = 0.25
@@ -121,8 +121,8 @@ def _find_on_axis(local: Floats, origin_m: float, per_unit: float) -> _Step:
     exactness_m = rounding * per_unit
     if largest > 0.0 and float(off_float32.max()) <= rounding:
         typical = float(np.median(np.abs(in_file)))
-        own = _Step(_FLOAT32 * 2.0 ** math.floor(math.log2(max(typical, 1e-30))) * per_unit, "float32", 1.0)
-        exactness_m = max(exactness_m, _FLOAT32 * largest * per_unit)
+        own = _Step(FLOAT32 * 2.0 ** math.floor(math.log2(max(typical, 1e-30))) * per_unit, "float32", 1.0)
+        exactness_m = max(exactness_m, FLOAT32 * largest * per_unit)
     rounded = _find_rounding(local, origin_m, per_unit, max(exactness_m, 1e-10))
     best = rounded if rounded.step_m > 1.5 * own.step_m else own
     return best if best.step_m >= _FINEST_M else _NONE

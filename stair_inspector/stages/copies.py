@@ -8,13 +8,13 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Scan
+from stair_inspector.stages.coordinate_steps import FLOAT32
 
 _AROUND_M = 0.1
 """A copy that is shifted farther is another object to the eye, and is seen."""
 _ANCHORS = 8
 _MOST_AROUND = 3000
 _LEAST_ANCHORS = 5
-_FLOAT32 = 2.0**-23
 _LEAST_MIRRORED = 0.2
 _SAMPLE_BITS = 5
 _FEWEST = 50
@@ -35,7 +35,7 @@ def find_shifted_copy(points: Floats) -> Floats | None:
     """
     if len(points) < _FEWEST:
         return None
-    exactness_m = 4.0 * _FLOAT32 * float(np.abs(points).max())
+    exactness_m = 4.0 * FLOAT32 * float(np.abs(points).max())
     anchors = np.random.default_rng(11).choice(len(points), _ANCHORS, replace=False)
     known: list[Floats] = []
     for count, anchor in enumerate(anchors):

@@ -12,7 +12,7 @@ from stair_inspector.params import FlightsParams
 from stair_inspector.stages.gaps import close_gaps
 from stair_inspector.stages.links import Link, angle_deg, find_links
 from stair_inspector.stages.missing_feet import run_below, tall_foot
-from stair_inspector.stages.pace import STRAIGHT_DEG, going_between, is_base
+from stair_inspector.stages.pace import SAME_CLIMB_DEG, going_between, is_base
 from stair_inspector.stages.rejects import Forced, find_undersides, may_be_step
 from stair_inspector.stages.run_ends import (
     ALTERNATIVE_RISE,
@@ -122,7 +122,7 @@ def _is_flight(
     first, second = run
     if not is_base(surfaces, run) or second.climb is None or second.length_m < priors.NARROWEST_OF_TWO_M:
         return False
-    if first.climb is not None and angle_deg(first.climb, second.climb) > STRAIGHT_DEG:
+    if first.climb is not None and angle_deg(first.climb, second.climb) > SAME_CLIMB_DEG:
         return False
     low, high = sorted((first.rise_m, second.rise_m))
     tread = surfaces[first.upper]
@@ -158,7 +158,7 @@ def _note_alternatives(surfaces: Sequence[Surface], run: list[Link], links: Sequ
                 and other.upper not in used
                 and other.climb is not None
                 and link.climb is not None
-                and angle_deg(other.climb, link.climb) <= STRAIGHT_DEG
+                and angle_deg(other.climb, link.climb) <= SAME_CLIMB_DEG
                 and abs(other.rise_m - rise_m) <= ALTERNATIVE_RISE * rise_m
                 and other.length_m >= LEAST_OVERLAP * link.length_m
             ):

@@ -22,9 +22,10 @@ _LEVEL_EPS_M = 0.02
 _LEVEL_SHARE = 0.01
 """A level parallel to a plane is found when it holds this share of the points that face the same way, found ones left
 out: beside a floor and landings each tread of a long stair holds far less than this share of all of them."""
-_LEVELLED_DEG = 20.0
+_UPRIGHT_DEG = 20.0
 _LEVELLED_BONUS = 2.0
-"""Most scans are made with z up: a plane that leans less than this from level counts double."""
+"""Most scans are made with z up, levelled (to ``readings.LEVELLED_DEG``) or not: a plane that leans less than this from
+level counts double."""
 _LEVELLED_SURPLUS, _SURE_STEPS = 2.0, 6
 """So many times as many points face a levelled scan's z axis as another way: then only a flight of so many levels, or
 a rhythm, is believed against it."""
@@ -165,7 +166,7 @@ def levelled_instead(candidates: list[PlaneFit], support: list[Support], chosen:
 
 def is_levelled(plane: PlaneFit) -> bool:
     """Return whether a plane is about level in the scan's own frame."""
-    return abs(float(normal_of(plane)[2])) >= math.cos(math.radians(_LEVELLED_DEG))
+    return abs(float(normal_of(plane)[2])) >= math.cos(math.radians(_UPRIGHT_DEG))
 
 
 def choose_floor(candidates: list[PlaneFit], support: list[Support]) -> int:

@@ -10,7 +10,7 @@ from stair_inspector.stages.pace import (
     GOING_TOLERANCE,
     MAX_MISSING,
     NEAREST_LINKS,
-    STRAIGHT_DEG,
+    SAME_CLIMB_DEG,
     Pace,
     has_tread_below,
     is_base,
@@ -119,7 +119,7 @@ def _may_join(run: Sequence[Link], bridge: Link, end: Link | None, other: Sequen
         return False
     if end is None or bridge.climb is None:
         return True
-    return end.climb is not None and angle_deg(end.climb, bridge.climb) <= STRAIGHT_DEG
+    return end.climb is not None and angle_deg(end.climb, bridge.climb) <= SAME_CLIMB_DEG
 
 
 def _bridges(

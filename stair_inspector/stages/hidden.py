@@ -11,6 +11,7 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 from stair_inspector.model import Chain, StepShape
+from stair_inspector.stages.arcs import SIDE_DIFFERS_M
 from stair_inspector.stages.links import turn_deg
 
 UNSEEN_M = 0.03
@@ -22,7 +23,6 @@ _DEEPEST_SHADOW_M = 0.15
 _FEWEST_OF_RHYTHM, _MOST_SCATTER_M = 3, 0.01
 """Nosings that are needed to tell where another one lies, and how much they may differ."""
 _FEWEST_FOR_SIDES = 3
-_SIDE_DIFFERS_M = 0.05
 _SIDE_INSIDE_M, _INSIDE_SIGMAS = 0.01, 5.0
 """So much inside sides that agree with each other a side may be the rim of a shadow."""
 _WEDGE_M = 0.05
@@ -149,7 +149,7 @@ def with_wedge_sides(shapes: list[StepShape], chain: Chain) -> list[StepShape]:
     for k, (shape, width_m) in enumerate(zip(shapes, widths, strict=True)):
         is_wedge = any(turns[max(k - 1, 0) : k + 1])
         hidden_m = usual_m - width_m
-        doubt_m, is_hidden = _WEDGE_M if is_wedge else 0.0, hidden_m > _SIDE_DIFFERS_M
+        doubt_m, is_hidden = _WEDGE_M if is_wedge else 0.0, hidden_m > SIDE_DIFFERS_M
         if is_hidden:
             doubt_m = math.hypot(doubt_m, hidden_m / 2.0)
         changed = [
@@ -182,9 +182,9 @@ def with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]
         to_left, hidden_left = _checked_side(shape.left, left, origin, 1.0, inmost_left)
         to_right, hidden_right = _checked_side(shape.right, right, origin, -1.0, inmost_right)
         low, high = shape.line_range
-        if abs(hidden_left) > _SIDE_DIFFERS_M and not left.is_blurred:
+        if abs(hidden_left) > SIDE_DIFFERS_M and not left.is_blurred:
             high = left.place_m - origin
-        if abs(hidden_right) > _SIDE_DIFFERS_M and not right.is_blurred:
+        if abs(hidden_right) > SIDE_DIFFERS_M and not right.is_blurred:
             low = -right.place_m - origin
         result.append(replace(shape, left=to_left, right=to_right, line_range=(low, high)))
     return result
@@ -248,15 +248,15 @@ def _checked_side(edge: EdgeLine, side: _Side, origin_m: float, sign: float, inm
             # Where the others agree, how far it is from them is all that an obstacle may have done.
             noise_m = math.hypot(edge.free_noise_m, hidden_m / 2.0)
             return replace(edge, noise_m=noise_m, support=1.0, obstructed_m=0.0), hidden_m
-        if edge.obstructed_m and 0.0 < hidden_m <= _SIDE_DIFFERS_M:
+        if edge.obstructed_m and 0.0 < hidden_m <= SIDE_DIFFERS_M:
             return replace(edge, noise_m=math.hypot(edge.noise_m, hidden_m / 2.0)), hidden_m
-        if _is_guess(edge) and abs(hidden_m) <= _SIDE_DIFFERS_M:
+        if _is_guess(edge) and abs(hidden_m) <= SIDE_DIFFERS_M:
             noise_m = math.hypot(side.scatter_m, hidden_m / 2.0, _SAME_PLACE_M / 2.0)
             return replace(edge, middle_m=edge.middle_m + sign * hidden_m, slope=0.0, noise_m=noise_m), 0.0
-    limit_m = _SIDE_INSIDE_M + edge.noise_m if side.is_blurred else _SIDE_DIFFERS_M + 4.0 * edge.noise_m
+    limit_m = _SIDE_INSIDE_M + edge.noise_m if side.is_blurred else SIDE_DIFFERS_M + 4.0 * edge.noise_m
     if side.scatter_m is not None:
         limit_m = min(limit_m, _SIDE_INSIDE_M + _INSIDE_SIGMAS * math.hypot(edge.noise_m, side.scatter_m))
-    is_of_a_thing = edge.is_wall and inmost_m - sign * (origin_m + edge.middle_m) > _SIDE_DIFFERS_M
+    is_of_a_thing = edge.is_wall and inmost_m - sign * (origin_m + edge.middle_m) > SIDE_DIFFERS_M
     if hidden_m > limit_m and (edge.source == "tread" or is_of_a_thing):
         edge = replace(edge, noise_m=math.hypot(edge.noise_m, hidden_m / 2.0), support=0.0)
     return edge, hidden_m

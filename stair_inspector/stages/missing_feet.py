@@ -8,13 +8,12 @@ from stair_inspector import priors
 from stair_inspector.model import Surface
 from stair_inspector.stages.links import Link, angle_deg, height_at
 from stair_inspector.stages.pace import (
-    FLOOR_M,
     GOING_TOLERANCE,
     MAX_MISSING,
     NEAREST_LINKS,
     PRESENT_SHARE,
     RISE_TOLERANCE,
-    STRAIGHT_DEG,
+    SAME_CLIMB_DEG,
     Pace,
     has_tread_below,
     link_over,
@@ -79,7 +78,7 @@ def run_below(
     for k, other in enumerate(others):
         top, climb = surfaces[other[-1].upper], other[-1].climb
         start_m = pace.front_of(top)
-        if start_m is None or climb is None or angle_deg(climb, pace.climb) > STRAIGHT_DEG:
+        if start_m is None or climb is None or angle_deg(climb, pace.climb) > SAME_CLIMB_DEG:
             continue
         n_rises = (height_at(lowest, pace.place(front_m)) - height_at(top, pace.place(start_m))) / pace.rise_m
         off = (front_m - start_m) / pace.going_m - round(n_rises)
@@ -115,4 +114,4 @@ def _end_of(floor: Surface, pace: Pace, front_m: float) -> float | None:
     before = ahead[(aside >= pace.low_m) & (aside <= pace.high_m) & (ahead <= front_m + PRESENT_SHARE * pace.going_m)]
     if not before.size or float(before.max()) < front_m - (MAX_MISSING + 1) * pace.going_m:
         return None
-    return float(np.percentile(before[before >= before.max() - FLOOR_M], 98.0))
+    return float(np.percentile(before[before >= before.max() - priors.FLOOR_STRIP_M], 98.0))

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import HeightOrder, LocalPlane
-from stair_inspector.stages.planes import FINE_M, STRIP_M, block_means, plane_of
+from stair_inspector.stages.planes import FINE_M, block_means, plane_of
 
 FACE_NEAR_SIGMA = 1.6
 FACE_FAR_M = 0.032
@@ -43,7 +44,7 @@ def refit_plane(
     seems too small, and where they are missing on one side only, the plane leans.
     """
     s_low, s_high, w_low, w_high = extent
-    s_high = min(s_high, s_low + STRIP_M)
+    s_high = min(s_high, s_low + priors.FLOOR_STRIP_M)
     inset_s, inset_w = 0.15 * (s_high - s_low), 0.08 * (w_high - w_low)
     inside = (near.s >= s_low + inset_s) & (near.s <= s_high - inset_s)
     inside &= (near.w >= w_low + inset_w) & (near.w <= w_high - inset_w)

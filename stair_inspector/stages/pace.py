@@ -11,7 +11,8 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Surface
 from stair_inspector.stages.links import Link, angle_deg, depth_along, height_at
 
-STRAIGHT_DEG = 15.0
+SAME_CLIMB_DEG = 15.0
+"""Edges that climb the same way: single edges of patches are that rough."""
 MAX_MISSING = 3
 RISE_TOLERANCE, GOING_TOLERANCE = 0.22, 0.44
 """How far a gap may be from a whole number of rises and of goings, as a share of one."""
@@ -19,7 +20,7 @@ NEAREST_LINKS = 6
 """Rise, going and direction at the end of a run are those of so many links there."""
 _MIDDLE = 0.4
 PRESENT_SHARE = 0.4
-FLOOR_M, _FRONT_M = 0.6, 0.3
+_FRONT_M = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +96,7 @@ def pace_of(surfaces: Sequence[Surface], links: Sequence[Link], begins_at_base: 
         return None
     climb = np.median(climbs, axis=0)
     climb /= np.hypot(*climb)
-    if any(angle_deg(other, climb) > STRAIGHT_DEG for other in climbs):
+    if any(angle_deg(other, climb) > SAME_CLIMB_DEG for other in climbs):
         return None
     asides = np.array([climb[0] * link.middle[1] - climb[1] * link.middle[0] for link in inner])
     halves = np.array([link.length_m / 2.0 for link in inner])

@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, Ints, freeze, project
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Horizontal, LocalPlane, Surface
 
-STRIP_M = 0.6
-"""Of a floor or landing only so much counts: beyond, it may lean otherwise."""
 FINE_M = 0.02
 """Side of the blocks to whose means a plane is fitted."""
 _BLOCK_M = 0.08
@@ -45,9 +44,9 @@ def fit_local(
     plan = rows[:2] - origin[:, None]
     s, w = project(plan, climb), project(plan, left)
     s_low, s_high, w_low, w_high = extent
-    if float(s.max()) - s_low <= STRIP_M:
+    if float(s.max()) - s_low <= priors.FLOOR_STRIP_M:
         return plane_of(s, w, rows[2], rough, stride)
-    within = (s >= s_low) & (s <= min(s_high, s_low + STRIP_M)) & (w >= w_low) & (w <= w_high)
+    within = (s >= s_low) & (s <= min(s_high, s_low + priors.FLOOR_STRIP_M)) & (w >= w_low) & (w <= w_high)
     if np.count_nonzero(within) < 10:
         within = np.ones(len(s), dtype=np.bool_)
     s, w, z = s[within], w[within], rows[2][within]

@@ -15,20 +15,17 @@ from stair_inspector.stages.foot import without_floor_strips
 from stair_inspector.stages.levels import find_height_reach, find_levels, select_horizontal
 from stair_inspector.stages.orient import order_by_height
 from stair_inspector.stages.patches import split_levels
+from stair_inspector.stages.readings import LEVELLED_DEG
 from stair_inspector.stages.rejects import Forced
 
 _POINTS = 150_000
 """The vertical is found from at most this many points: slopes of whole treads need no more."""
 _FEWEST_TREADS = 3
 _ROUNDS = 2
-_AGREE_DEG = 0.3
-"""Floors and treads that differ by less are built so: screeds and treads are level to some millimetres in a metre."""
 _SURE_DEG = 0.12
 _SIGMAS = 3.0
-_LEVELLED_DEG = 3.0
-"""Scans whose z axis is as near as this to floor or treads were levelled by their scanner."""
 _BLOCK_M = 0.25
-_STRIP_M = priors.LONGEST_TREAD_M / math.sqrt(12.0)
+_TREAD_SPREAD_M = priors.LONGEST_TREAD_M / math.sqrt(12.0)
 """Standard deviation across a floor that is no deeper than a tread: of a strip the slope is badly known."""
 
 
@@ -79,7 +76,7 @@ def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None
     floor_up = up if base_noise_deg is None else replace(up, u_deg=2.0 * base_noise_deg)
     if by_floor.n_treads < _FEWEST_TREADS:
         return floor_up
-    if not by_floor.has_floor and _from_z_deg(up.vector) > _LEVELLED_DEG:
+    if not by_floor.has_floor and _from_z_deg(up.vector) > LEVELLED_DEG:
         vector, treads = _up_from_treads(few, by_floor, up, limits)
         u_deg = 2.0 * math.hypot(treads.tread_noise_deg, priors.BUILT_LEVEL_DEG)
         return Up(own(vector, (3,), "up"), "treads", u_deg, up.notes, up.observations)
@@ -87,7 +84,7 @@ def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None
     floor_noise_deg = base_noise_deg or 0.0
     is_floor_better = floor_noise_deg <= by_floor.tread_noise_deg
     doubt_deg = math.hypot(by_floor.tread_noise_deg, floor_noise_deg if is_floor_better else 0.0)
-    limit_deg = max(_AGREE_DEG, _SIGMAS * doubt_deg)
+    limit_deg = max(priors.UNLEVEL_DEG, _SIGMAS * doubt_deg)
     apart_deg = math.degrees(math.atan(float(np.hypot(*by_floor.tread_slope))))
     if apart_deg <= limit_deg:
         if apart_deg > _SURE_DEG and floor_up.u_deg is not None:
@@ -96,7 +93,7 @@ def refine_up(scan: Scan, normals: Normals, up: Up, limits: FlightsParams | None
         return floor_up
     vector, treads = _up_from_treads(few, by_floor, up, limits)
     to_floor, to_treads = _from_z_deg(up.vector), _from_z_deg(vector)
-    is_levelled = min(to_floor, to_treads) <= _LEVELLED_DEG
+    is_levelled = min(to_floor, to_treads) <= LEVELLED_DEG
     takes_treads = to_treads < to_floor if is_levelled else treads.tread_noise_deg < apart_deg / _SIGMAS
     why = "the scan's z axis is nearer to it" if is_levelled else f"{treads.n_treads} treads agree with each other"
     if not takes_treads:
@@ -161,7 +158,7 @@ def _slopes(scan: Scan, normals: Normals, up: Up, limits: FlightsParams) -> _Slo
         tread_slope=middle,
         tread_noise_deg=math.degrees(MEDIAN_NOISE * scatter / math.sqrt(len(numbers))),
         base_noise_deg=None if not noises else math.degrees(min(noises)),
-        has_floor=any(_least_spread(patches.surfaces[k]) > _STRIP_M for k in bases),
+        has_floor=any(_least_spread(patches.surfaces[k]) > _TREAD_SPREAD_M for k in bases),
         up_from_treads=horizontal.level_from_scan.T @ (normal / np.linalg.norm(normal)),
     )
 

@@ -20,8 +20,9 @@ from stair_inspector.stages.sparse import SPARSE_M
 _FEWEST_STEPS = 2
 _ON_SIGMAS = 3.0
 _LEAST_ON_M = 0.004
-_BEFORE_M, _BEHIND_M = 0.012, 0.08
-"""A riser's face lies between these before and behind the nosing above it."""
+_SURELY_BEFORE_M, _SURELY_BEHIND_M = 0.012, 0.08
+"""Before and behind the nosing above it, what lies between these is the riser's for certain: nearer than the priors let
+its face be, since a point that is none of its own would widen the tread."""
 _OUTSIDE_M = 0.15
 """How far outside the sides of the treads' patches points are looked at."""
 _INNER_M = (0.05, 0.3)
@@ -36,7 +37,9 @@ _LEAST_SLOPE = 0.0005
 _SLOPE_SIGMAS = 3.0
 _ABOVE_FOOT_M, _NOSING_BAND_M = 0.015, 0.028
 """A riser is looked for from above what it stands on to below the nosing's slab; a slab is thicker than the last."""
-_RISER_BEFORE_M, _RISER_BEHIND_M = 0.08, 0.14
+_SEARCHED_BEFORE_M, _SEARCHED_BEHIND_M = 0.08, 0.14
+"""Where a riser's face is looked for: farther than the priors let it be, since of sparse points the nosing itself is
+known to one or two of their distances only."""
 _MOVED_M = 0.006
 """A nosing that was moved by less has the same strip behind it."""
 _INSET_SHARE = 0.05
@@ -185,7 +188,10 @@ def _find_riser(heights: HeightOrder, shapes: Sequence[StepShape], k: int) -> _R
     s, w, under = shape.climb @ shift, across @ shift, top_m - rows[2]
     inset = _INSET_SHARE * (w_high - w_low)
     near = (
-        (s >= front - _RISER_BEFORE_M) & (s <= front + _RISER_BEHIND_M) & (w >= w_low + inset) & (w <= w_high - inset)
+        (s >= front - _SEARCHED_BEFORE_M)
+        & (s <= front + _SEARCHED_BEHIND_M)
+        & (w >= w_low + inset)
+        & (w <= w_high - inset)
     )
     is_riser = near & (under >= priors.NOSING_THICKNESS_M)
     found = _densest_window(s[is_riser], _WINDOW_M)
@@ -316,7 +322,7 @@ def _lateral_of(heights: HeightOrder, shapes: Sequence[StepShape], k: int, acros
     if above is not None:
         shift = above.to_plan(above.front.middle_m, 0.0) - shape.origin_m
         back = float(shift @ shape.climb)
-        is_riser = (s >= back - _BEFORE_M) & (s <= back + _BEHIND_M) & (off >= on_m)
+        is_riser = (s >= back - _SURELY_BEFORE_M) & (s <= back + _SURELY_BEHIND_M) & (off >= on_m)
     is_tread = (s >= front - 0.01) & (s <= back) & (np.abs(off) <= on_m)
     places = [float(across @ shape.to_plan(front, edge)) for edge in shape.extent[2:]]
     beside = (w >= min(places) - _OUTSIDE_M) & (w <= max(places) + _OUTSIDE_M)

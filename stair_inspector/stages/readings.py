@@ -39,14 +39,16 @@ _NOSING_M, _NOSINGS_MOST = (0.01, 0.05), 6.0
 _SURROUNDINGS_MOST = 2.6
 """Floors below and rooms above speak for a side, but not against a scanner that was levelled."""
 _HINT = 0.5
-_LEVELLED_COS = math.cos(math.radians(3.0))
+LEVELLED_DEG = 3.0
+"""Scans whose z axis is as near as this to up were levelled by their scanner."""
+_LEVELLED_COS = math.cos(math.radians(LEVELLED_DEG))
 _FLOOR_LEAST, _FLOOR_MOST = -0.5, 1.5
 _FLOOR_START = 200.0
 _SENSOR_WEIGHT = 5.0
 _LOOKS_DOWN_DEG = 35.0
 _LOOKS_STRAIGHT_DOWN = -4.0
 """Cameras look ahead, or some way down: what a camera that looks straight down weighs."""
-_PLAN_CELL_M = 0.1
+PLAN_CELL_M = 0.1
 _FEWEST_OF_EITHER = 2
 """The sides of bars and the treads they form make a rhythm by chance, in which one face is the whole second family."""
 _ON_RHYTHM, _MOSTLY_ON, _FEWEST_TREADS = 0.15, 0.7, 2
@@ -215,12 +217,12 @@ def _air_above(scan: Thinned, lattice: Lattice, span: _Span) -> float:
 
 def _is_tall(ahead_m: Floats, aside_m: Floats, height_m: Floats) -> Bools:
     """Return which points of upright faces lie in a place of the plan where those reach higher than a riser."""
-    cells = np.floor(np.stack([ahead_m, aside_m]) / _PLAN_CELL_M).astype(np.int64)
+    cells = np.floor(np.stack([ahead_m, aside_m]) / PLAN_CELL_M).astype(np.int64)
     _, cell_of = np.unique(cells[0] * 2**32 + cells[1], return_inverse=True)
     lowest, highest = np.full(len(cell_of), np.inf), np.full(len(cell_of), -np.inf)
     np.minimum.at(lowest, cell_of, height_m)
     np.maximum.at(highest, cell_of, height_m)
-    is_tall: Bools = (highest - lowest)[cell_of] > priors.MOST_RISE_M + _PLAN_CELL_M
+    is_tall: Bools = (highest - lowest)[cell_of] > priors.MOST_RISE_M + PLAN_CELL_M
     return is_tall
 
 

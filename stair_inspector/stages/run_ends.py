@@ -11,7 +11,7 @@ from stair_inspector.model import Surface
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.links import Link, angle_deg, depth_along
 from stair_inspector.stages.missing_feet import missing_foot
-from stair_inspector.stages.pace import STRAIGHT_DEG, going_between, is_base
+from stair_inspector.stages.pace import SAME_CLIMB_DEG, going_between, is_base
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.runs import consistency, edges_overlap
 
@@ -133,7 +133,9 @@ def _goes_on(surfaces: Sequence[Surface], low: list[Link], high: list[Link]) -> 
     is_tread = priors.SHORTEST_GOING_M <= depth_m <= min(priors.LONGEST_TREAD_M, priors.LANDING_RATIO * going_m)
     is_tread = is_tread and depth_along(surfaces[second.lower], second.climb) <= priors.LONGEST_TREAD_M
     return (
-        is_tread and angle_deg(first.climb, second.climb) <= STRAIGHT_DEG and edges_overlap(first, second, _LEAST_SEEN)
+        is_tread
+        and angle_deg(first.climb, second.climb) <= SAME_CLIMB_DEG
+        and edges_overlap(first, second, _LEAST_SEEN)
     )
 
 

@@ -14,13 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats
 from stair_inspector.geometry.strips import find_strip
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Chain, Chains, Horizontal, Note, Patches, Surface
 from stair_inspector.stages.bars import surface_of_rows
 from stair_inspector.stages.climbs import straight_climb
-from stair_inspector.stages.planes import STRIP_M
 
 _MOST_TO_FIT = 8000
 _FEWEST_TREADS, _ON_MOST = 2, 0.6
@@ -190,9 +190,9 @@ def _is_on_strip(points: Floats, chain: Chain, climb: Floats, strip: _Runner, is
     """
     across, ahead = _left_of(climb) @ points[:2], climb @ points[:2]
     if is_step:
-        is_near = ahead <= float(np.percentile(ahead, 1.0)) + STRIP_M
+        is_near = ahead <= float(np.percentile(ahead, 1.0)) + priors.FLOOR_STRIP_M
     else:
-        is_near = ahead >= float(chain.middles[0] @ climb) - STRIP_M
+        is_near = ahead >= float(chain.middles[0] @ climb) - priors.FLOOR_STRIP_M
     between = is_near & (across > strip.low - _MARGIN_M) & (across < strip.high + _MARGIN_M)
     beside = is_near & ~between & (across > strip.low - strip.bare_m[0]) & (across < strip.high + strip.bare_m[1])
     n_beside = int(np.count_nonzero(beside))

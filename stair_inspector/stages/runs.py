@@ -7,7 +7,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.links import Link, angle_deg
-from stair_inspector.stages.pace import STRAIGHT_DEG
+from stair_inspector.stages.pace import SAME_CLIMB_DEG
 
 LEAST_OVERLAP = 0.5
 """Share of the shorter edge along which two edges of one step must face each other."""
@@ -70,7 +70,7 @@ def consistency(first: Link, second: Link, params: FlightsParams) -> float:
     move = second.middle - first.middle
     if way @ move < priors.SHORTEST_GOING_M:
         return 0.0
-    if turn <= STRAIGHT_DEG and not edges_overlap(first, second, LEAST_OVERLAP):
+    if turn <= SAME_CLIMB_DEG and not edges_overlap(first, second, LEAST_OVERLAP):
         return 0.0
     return 1.0 - 0.5 * (high - low) / low - 0.2 * turn / params.turn_deg
 

@@ -16,10 +16,10 @@ from stair_inspector.stages.edge_finder import BAND_SIGMA, FACE_NEAR_M, LEAST_PU
 from stair_inspector.stages.hidden import UNSEEN_M
 from stair_inspector.stages.near_points import FACE_BAND_M, FACE_NEAR_SIGMA, NearPoints, gather_near, refit_plane
 from stair_inspector.stages.nosing_heights import with_nosing_heights
-from stair_inspector.stages.planes import FINE_M, STRIP_M, fit_local
+from stair_inspector.stages.planes import FINE_M, fit_local
 
-_RISER_REACH_M = (priors.RISER_BEHIND_M + priors.RISER_AHEAD_M) / 2.0
-_RISER_BEHIND_M = (priors.RISER_BEHIND_M - priors.RISER_AHEAD_M) / 2.0
+_FACE_REACH_M = (priors.RISER_BEHIND_M + priors.RISER_AHEAD_M) / 2.0
+_FACE_MIDDLE_M = (priors.RISER_BEHIND_M - priors.RISER_AHEAD_M) / 2.0
 """Half width and middle of the search for a riser's face, behind the nosing above it."""
 _UNSEEN_SLOPE = 0.02
 _INSET_M = 0.03
@@ -53,7 +53,7 @@ def find_shape(
     if surface.covered_m is not None:
         covered = (surface.covered_m[0] - float(left @ origin), surface.covered_m[1] - float(left @ origin))
     front = _front_of(s, w, chain.lengths_m[k], covered)
-    is_strip = s <= front + STRIP_M
+    is_strip = s <= front + priors.FLOOR_STRIP_M
     w_low, w_high = (float(value) for value in np.percentile(w[is_strip], [1.0, 99.0]))
     if covered is not None:
         w_low, w_high = _with_cover(patches, number, left, origin, (w_low, w_high))
@@ -92,7 +92,7 @@ def find_shape(
     found = finder_across.edge(-near.s, near.w, _inset(front_span), -front, is_foot=False)
     nosing = _guessed(front, front_span) if found is None else found.flipped()
     start = nosing.middle_m
-    side_span = _inset((start, min(s_high, start + STRIP_M)))
+    side_span = _inset((start, min(s_high, start + priors.FLOOR_STRIP_M)))
     across, left_span, right_span = near.w, side_span, side_span
     if arc is not None:
         across = across_arc(arc, origin, climb, near.s, near.w)
@@ -211,8 +211,8 @@ def _with_back(shape: StepShape, finder: EdgeFinder, above: StepShape | None, ri
     far_m = max(min(0.65 * rise_m, rise_m - priors.NOSING_THICKNESS_M), near_m + FACE_BAND_M)
     riser: EdgeLine | None = None
     if finder.params.edge_source != "tread":
-        guess = (nosing + _RISER_BEHIND_M, slope)
-        riser = find_face_edge(near.s, near.w, near.r, span, guess, _RISER_REACH_M, (near_m, far_m), finder.sampling)
+        guess = (nosing + _FACE_MIDDLE_M, slope)
+        riser = find_face_edge(near.s, near.w, near.r, span, guess, _FACE_REACH_M, (near_m, far_m), finder.sampling)
     if riser is not None and riser.support >= LEAST_SUPPORT and riser.purity >= LEAST_PURITY:
         return replace(shape, back=riser)
     extent = finder.edge(near.s, near.w, span, s_high)
@@ -243,7 +243,7 @@ def _find_foot(
     s_high = float(np.percentile(s[beside], 99.0))
     z0 = float(base.centre_m[2] + base.slope @ (origin - base.centre_m[:2]))
     rough = (z0, float(base.slope @ climb), float(base.slope @ left))
-    strip = (s_high - STRIP_M, s_high, w_low, w_high)
+    strip = (s_high - priors.FLOOR_STRIP_M, s_high, w_low, w_high)
     return fit_local(horizontal, base, origin, climb, strip, rough)
 
 

@@ -15,7 +15,7 @@ from stair_inspector.geometry.normals import estimate_normals_at, morton_order
 from stair_inspector.model import Note, Observation, Scan, Step
 from stair_inspector.params import KNOWN_UNITS, KnownUnit
 from stair_inspector.stages.density import find_spacing
-from stair_inspector.stages.readings import LONGEST_PERIOD_M
+from stair_inspector.stages.readings import LONGEST_PERIOD_M, SURE
 from stair_inspector.stages.thinned import pick_thinned
 from stair_inspector.units import METRES_PER_UNIT, UNIT_NAMES
 
@@ -37,7 +37,6 @@ _FEWEST_FACES, _FEWEST_JOINTS = 2 * priors.SURE_RISERS, 5
 """A rhythm of so many treads and risers, with so many edges between them, is no furniture seen in a wrong size."""
 
 # Weights are natural logarithms of odds.
-_SURE = 2.3
 _LEAST = -4.5
 """What weighs less is no staircase in this unit."""
 
@@ -107,7 +106,7 @@ def ask_unit(scan: Scan, steps: tuple[Step, ...]) -> tuple[Observation, ...]:
     weights = {unit: _weigh(rise, going, unit) for unit in units}
     others = [unit for unit in units if unit != scan.unit]
     other = max(others, key=weights.__getitem__, default=scan.unit)
-    if other == scan.unit or weights[other] < max(_LEAST, weights[scan.unit] - _SURE):
+    if other == scan.unit or weights[other] < max(_LEAST, weights[scan.unit] - SURE):
         return ()
     first, second = sorted((scan.unit, other), key=lambda unit: -weights[unit])
     return (_question(rise, going, first, second),)
@@ -141,7 +140,7 @@ def _decide_by_rhythm(points: Floats, unit: KnownUnit, size: float, by_size: Kno
     width = lattice.width_m / per
     if weights[best] < _LEAST or width * METRES_PER_UNIT[best] < priors.NARROWEST_OF_TWO_M:
         return None
-    rivals = [each for each in ranked[1:] if weights[each] >= max(_LEAST, weights[best] - _SURE)]
+    rivals = [each for each in ranked[1:] if weights[each] >= max(_LEAST, weights[best] - SURE)]
     if best != by_size and _are_tiers(rise, going, width, by_size):
         rivals = [by_size]
     if rivals:

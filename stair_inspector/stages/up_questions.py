@@ -9,13 +9,13 @@ from stair_inspector.geometry.arrays import Floats, project
 from stair_inspector.model import Observation
 from stair_inspector.overrules import NAMED_UP
 from stair_inspector.stages.camera_frames import looks_down_deg, view_of
-from stair_inspector.stages.readings import SURE, Reading
+from stair_inspector.stages.readings import PLAN_CELL_M, SURE, Reading
 from stair_inspector.stages.thinned import Thinned
 
 _LOOKS_STEEPLY_DEG = 55.0
 _NAME_DEG = 2.0
-_BESIDE_LEVEL_M = 0.05
-_NEARLY_ALL, _SEEN_THROUGH, _PLAN_CELL_M = 0.9, 0.25, 0.1
+BESIDE_LEVEL_M = 0.05
+_NEARLY_ALL, _SEEN_THROUGH = 0.9, 0.25
 
 
 def question_of(readings: list[Reading]) -> Observation | None:
@@ -73,15 +73,15 @@ def question_of_side(scan: Thinned, up: Floats, height_m: float) -> Observation 
     """
     heights = project(scan.points.T, up) - height_m
     is_level = scan.face(up)
-    n_below, n_above = (int(np.count_nonzero(way * heights > _BESIDE_LEVEL_M)) for way in (-1.0, 1.0))
+    n_below, n_above = (int(np.count_nonzero(way * heights > BESIDE_LEVEL_M)) for way in (-1.0, 1.0))
     if n_below < _NEARLY_ALL * (n_below + n_above):
         return None
     # A ceiling or a landing leaves headroom over treads; a floor is seen through them.
-    is_at = is_level & (np.abs(heights) <= _BESIDE_LEVEL_M)
-    is_next = is_level & (heights < -_BESIDE_LEVEL_M) & (heights >= -priors.HEADROOM_M / 2.0)
+    is_at = is_level & (np.abs(heights) <= BESIDE_LEVEL_M)
+    is_next = is_level & (heights < -BESIDE_LEVEL_M) & (heights >= -priors.HEADROOM_M / 2.0)
     side = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
     axes = np.stack([side, np.cross(up, side)])
-    cells = np.floor(scan.points @ axes.T / _PLAN_CELL_M).astype(np.int64) @ np.array([1, 1 << 31])
+    cells = np.floor(scan.points @ axes.T / PLAN_CELL_M).astype(np.int64) @ np.array([1, 1 << 31])
     if not is_next.any() or float(np.isin(cells[is_next], cells[is_at]).mean()) < _SEEN_THROUGH:
         return None
     names = name_of(up), name_of(-up)

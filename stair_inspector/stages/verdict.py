@@ -29,19 +29,16 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import Params
-from stair_inspector.stages.causes import why_no_flight
+from stair_inspector.stages.causes import MERGED_M, why_no_flight
 from stair_inspector.stages.paper import measure_h, review_steps
 from stair_inspector.stages.region import note_region_cuts
 from stair_inspector.stages.rejects import Forced, explain_rejects
 from stair_inspector.stages.survey import Survey
 from stair_inspector.stages.units import ask_unit
 
-_MERGED_M = 0.1
-"""A level whose points spread over more than this is several that ran together."""
 Kind = Literal["floor", "tread", "landing", "rejected"]
 _TELLING: tuple[Kind, ...] = ("tread", "landing", "floor")
 _FEWEST_TREADS = 3
-_LEVEL_DEG = 0.3
 
 
 def conclude(
@@ -256,7 +253,7 @@ def _disagreement(survey: Survey, up: Up) -> list[Note]:
     middle /= np.linalg.norm(middle)
     scatter_deg = float(np.median([_angle_deg(normal, middle) for normal in normals]))
     lean_deg = _angle_deg(middle, up.vector)
-    if lean_deg <= max(_LEVEL_DEG, 3.0 * scatter_deg / math.sqrt(len(normals)), up.u_deg or 0.0):
+    if lean_deg <= max(priors.UNLEVEL_DEG, 3.0 * scatter_deg / math.sqrt(len(normals)), up.u_deg or 0.0):
         return []
     message = (
         f"the treads on the whole lean by {lean_deg:.2f}° from the horizontal of the up direction ({up.source}): "
@@ -293,7 +290,7 @@ def why_no_staircase(surfaces: Surfaces, levels: tuple[Level, ...], up: Up) -> s
         count = f"{len(centroids)} horizontal level{'' if len(centroids) == 1 else 's'}"
         advice = "check the up direction, then try a larger theta_th or a smaller m"
         tallest_m = max((level.high_m - level.low_m for level in levels), default=0.0)
-        if tallest_m > _MERGED_M:
+        if tallest_m > MERGED_M:
             advice = (
                 f"one spans {tallest_m * 1000.0:.0f} mm, so several have run together: lower eps_z or raise m, and "
                 "check the up direction"
