@@ -85,6 +85,11 @@ class EdgeLine:
         """Return the same edge with ``out`` counted the other way."""
         return dataclasses.replace(self, middle_m=-self.middle_m, slope=-self.slope)
 
+    def beyond(self, out: Floats, along: Floats) -> Floats:
+        """Return how far outside the edge places (n,) lie, metres."""
+        beyond: Floats = out - self.middle_m - self.slope * (along - self.along_m)
+        return beyond
+
     def at(self, along_m: float) -> float:
         """Return ``out`` at a place along the edge."""
         return self.middle_m + self.slope * (along_m - self.along_m)
@@ -103,6 +108,10 @@ class RobustLine:
     x_middle: float
     middle_noise: float
     slope_noise: float
+
+    def as_edge(self, support: float, source: Literal["tread", "face"]) -> EdgeLine:
+        """Return the line as an edge, x along it."""
+        return EdgeLine(self.middle, self.slope, self.x_middle, self.middle_noise, self.slope_noise, support, source)
 
 
 def fit_line_robust(x: Floats, y: Floats, sigma: Floats, is_level: bool = False) -> RobustLine | None:
@@ -267,16 +276,11 @@ def find_face_edge(
     deep_share = max(0.0, abs(far) - deep_from) / (abs(far) - abs(near))
     if line is None or sign[is_near & is_deep].sum() < _LEAST_DEEP * deep_share * sign[is_near].sum():
         return None
-    middle = line.middle + guess[0] + guess[1] * (line.x_middle - middle_along)
-    return EdgeLine(
-        middle,
-        line.slope + guess[1],
-        line.x_middle,
-        line.middle_noise,
-        line.slope_noise,
-        sampling.seen_share(used, n_bins, span),
-        "face",
-        float(mass.sum() / sign.sum()),
+    return dataclasses.replace(
+        line.as_edge(sampling.seen_share(used, n_bins, span), "face"),
+        middle_m=line.middle + guess[0] + guess[1] * (line.x_middle - middle_along),
+        slope=line.slope + guess[1],
+        purity=float(mass.sum() / sign.sum()),
     )
 
 

@@ -135,8 +135,7 @@ def find_extent_edge(
     if line is None:
         return None
     support = sampling.seen_share(len(edges), n_bins, span)
-    first = EdgeLine(line.middle, line.slope, line.x_middle, line.middle_noise, line.slope_noise, support, "tread")
-    return _sharpened_line(out, along[inside], span, first, sampling, is_square)
+    return _sharpened_line(out, along[inside], span, line.as_edge(support, "tread"), sampling, is_square)
 
 
 def _sharpened_line(
@@ -155,7 +154,7 @@ def _sharpened_line(
     if not is_square:
         halves = []
         for is_half in (along < middle, along >= middle):
-            beyond = out[is_half] - first.middle_m - first.slope * (along[is_half] - first.along_m)
+            beyond = first.beyond(out[is_half], along[is_half])
             halves.append(_sharpened(beyond, sampling, first.slope_noise * length_m / 2.0))
         (low_m, low_noise_m), (high_m, high_noise_m) = halves
         if low_noise_m is not None and high_noise_m is not None:
@@ -167,17 +166,15 @@ def _sharpened_line(
                 line = dataclasses.replace(
                     first, middle_m=at_middle, along_m=middle, slope=first.slope + turned, slope_noise=slope_noise
                 )
-    rows = _rows_along(out - line.middle_m - line.slope * (along - line.along_m), sampling)
+    beyond = line.beyond(out, along)
+    rows = _rows_along(beyond, sampling)
     if rows is not None:
         return dataclasses.replace(line, middle_m=line.middle_m + rows[0], noise_m=rows[1], is_counted=True)
-    moved_m, noise_m = _sharpened(
-        out - line.middle_m - line.slope * (along - line.along_m), sampling, line.slope_noise * length_m
-    )
+    moved_m, noise_m = _sharpened(beyond, sampling, line.slope_noise * length_m)
     if noise_m is None:
         return first
     beyond_m = line.at(middle) + moved_m - first.at(middle)
-    beyond = out - first.middle_m - first.slope * (along - first.along_m)
-    if beyond_m > _FRAYED_SIGMAS * first.noise_m or _is_thin(beyond, beyond_m, sampling):
+    if beyond_m > _FRAYED_SIGMAS * first.noise_m or _is_thin(first.beyond(out, along), beyond_m, sampling):
         # The last strip is thinner than the surface, as of one station alone where two do not fit: the edge is between.
         return dataclasses.replace(first, noise_m=math.hypot(first.noise_m, beyond_m / 2.0))
     return dataclasses.replace(line, middle_m=line.middle_m + moved_m, noise_m=noise_m, is_counted=True)

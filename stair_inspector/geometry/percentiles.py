@@ -2,12 +2,19 @@
 
 import math
 
+import numpy as np
+
 from stair_inspector.geometry.arrays import Floats
 
 MAD_TO_SIGMA = 1.4826
 """Standard deviation of normal values over the median of their absolute deviations."""
 MEDIAN_NOISE = 1.25
 """Standard uncertainty of the median of normal values over that of their mean."""
+
+
+def mad_sigma(values: Floats) -> float:
+    """Return the standard deviation of values by the median of their absolute deviations from their median."""
+    return MAD_TO_SIGMA * float(np.median(np.abs(values - np.median(values))))
 
 
 def percentile_of_sorted(ordered: Floats, percent: float) -> float:

@@ -5,6 +5,7 @@ as in :mod:`stair_inspector.geometry.edges`: ``out`` square to the edge, away fr
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -67,7 +68,4 @@ def find_rim_edge(
         return None
     # All pieces share what noise does to the outermost points, and that a narrow bar outside may hold too few of them.
     noise_m = math.hypot(line.middle_noise, sigma_m, float(np.median(steps_m)))
-    support = len(edges) / n_bins
-    return EdgeLine(
-        line.middle, line.slope, line.x_middle, noise_m, line.slope_noise, support, "tread", is_counted=True
-    )
+    return replace(line.as_edge(len(edges) / n_bins, "tread"), noise_m=noise_m, is_counted=True)

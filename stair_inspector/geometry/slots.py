@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.geometry.percentiles import mad_sigma
 
 _SLOT_M, _SLOT_SPACINGS = 0.03, 3.0
 """A slot is wider than both, the second in distances of neighbouring points."""
@@ -105,7 +105,7 @@ def with_common_slots(sides: Sequence[Sides], known: Sequence[tuple[float, float
     if len(common) < _FEWEST_GAPS:
         return list(sides)
     usual_m = float(np.median([width for _, width in common]))
-    sigma_m = MAD_TO_SIGMA * float(np.median([abs(width - usual_m) for _, width in common]))
+    sigma_m = mad_sigma(np.array([width for _, width in common]))
     least_m = usual_m + max(_LEAST_ODD_M, _ODD_SIGMAS * math.hypot(sigma_m, _LEAST_SIGMA_M))
     odd = [
         middle

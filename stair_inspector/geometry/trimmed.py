@@ -32,7 +32,7 @@ def fit_trimmed(points: Floats) -> tuple[Floats, Floats, float]:
     """
     n = points.shape[1]
     n_core = min(n, max(3, int(_CORE_SHARE * n)))
-    slope, centre = np.zeros(2), np.array([*points[:2].mean(axis=1), _densest(points[2], n_core)])
+    slope, centre = np.zeros(2), np.array([*points[:2].mean(axis=1), densest(points[2], n_core)])
     chosen = np.arange(n)
     for _ in range(_CORE_ROUNDS):
         residual = np.abs(height_above(points, slope, centre))
@@ -58,7 +58,7 @@ def height_above(points: Floats, slope: Floats, centre: Floats) -> Floats:
     return residual
 
 
-def _densest(values: Floats, wanted: int) -> float:
+def densest(values: Floats, wanted: int) -> float:
     """Return the middle of the shortest interval that holds the wanted number of values."""
     ordered = np.sort(values)
     if wanted >= len(ordered):

@@ -6,6 +6,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
+from stair_inspector.geometry.plan import left_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +90,7 @@ class StepShape:
 
     def to_plan(self, s_m: float, w_m: float) -> Floats:
         """Return a place of this frame in plan coordinates of the level frame, (2,)."""
-        left = np.array([-self.climb[1], self.climb[0]])
+        left = left_of(self.climb)
         plan: Floats = self.origin_m + s_m * self.climb + w_m * left
         return plan
 

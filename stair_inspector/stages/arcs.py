@@ -10,8 +10,9 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, freeze
 from stair_inspector.geometry.edges import TUKEY, EdgeLine, fit_line_robust
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, mad_sigma
+from stair_inspector.geometry.plan import left_of, turn_deg
 from stair_inspector.model import Arc, Chain, StepShape
-from stair_inspector.stages.links import turn_deg
 
 _FEWEST_NOSINGS = 4
 _FEWEST_IF_SLIGHT, _SLIGHT_DEG = 5, 3.0
@@ -128,7 +129,7 @@ def find_arc(shapes: Sequence[StepShape]) -> Arc | None:
 
 def climb_at_nosing(shape: StepShape) -> Floats:
     """Return the direction of climb square to a step's nosing, (2,)."""
-    left = np.array([-shape.climb[1], shape.climb[0]])
+    left = left_of(shape.climb)
     across: Floats = shape.climb - shape.front.slope * left
     across /= np.hypot(*across)
     return across
@@ -139,7 +140,7 @@ def climb_on_arc(arc: Arc, shape: StepShape) -> Floats:
     outwards = _middle_of(shape) - arc.centre_m
     outwards /= np.hypot(*outwards)
     # To the left of the outward direction one climbs where the flight turns to the left.
-    along: Floats = arc.sense * np.array([-outwards[1], outwards[0]])
+    along: Floats = arc.sense * left_of(outwards)
     return along
 
 
@@ -227,7 +228,7 @@ def _fit_centre(shapes: Sequence[StepShape], arc: Arc) -> tuple[Arc, dict[str, f
         rows[:n, :2], rows[:n, 2] = climbs, -1.0
         rows[n:, :2] = -out / distances[:, None]
         rows[n : n + m, 3], rows[n + m :, 4] = -1.0, -1.0
-        spread = max(1.0, _scatter_about_zero(residual / sigma))
+        spread = max(1.0, MAD_TO_SIGMA * float(np.median(np.abs(residual / sigma))))
         scaled = residual / (TUKEY * spread * sigma)
         weight = np.where(np.abs(scaled) < 1.0, (1.0 - scaled**2) ** 2, 0.0) / sigma**2
         normal = np.einsum("ni,n,nj->ij", rows, weight, rows)
@@ -247,14 +248,10 @@ def _fit_centre(shapes: Sequence[StepShape], arc: Arc) -> tuple[Arc, dict[str, f
             arc.sense,
             math.sqrt(float(half @ covariance @ half)),
             _MIDDLE_SHARE
-            * math.hypot(*(_scatter(distances[part]) / math.sqrt(m) for part in (slice(m), slice(m, 2 * m)))),
+            * math.hypot(*(mad_sigma(distances[part]) / math.sqrt(m) for part in (slice(m), slice(m, 2 * m)))),
         ),
         {"left": float(numbers[3]), "right": float(numbers[4])},
     )
-
-
-def _scatter_about_zero(values: Floats) -> float:
-    return float(1.4826 * np.median(np.abs(values)))
 
 
 def arc_length(arc: Arc, start: Floats, end: Floats) -> float:
@@ -288,7 +285,3 @@ def _crossing(shape: StepShape, arc: Arc, radius_m: float) -> float | None:
     foot_w = w + slope * apart / root
     # The centre is on the left of a flight that turns to the left.
     return foot_w - arc.sense * math.sqrt(radius_m**2 - apart**2) / root
-
-
-def _scatter(values: Floats) -> float:
-    return float(1.4826 * np.median(np.abs(values - np.median(values))))

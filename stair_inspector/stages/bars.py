@@ -13,10 +13,12 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 from stair_inspector.geometry.clusters import cluster_cells
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
-from stair_inspector.geometry.trimmed import fit_trimmed
+from stair_inspector.geometry.plan import left_of
+from stair_inspector.geometry.trimmed import densest, fit_trimmed
 from stair_inspector.model import HeightOrder, Horizontal, Patches, Surface
 from stair_inspector.stages.bar_peaks import FEWEST_IN_PEAK, NOT_LEVEL, find_peaks, points_at_peaks
-from stair_inspector.stages.patches import plane_of_rows
+from stair_inspector.stages.patches import surface_of_part
+from stair_inspector.stages.plan_cells import part_of_cells
 
 _RHYTHM = 1.6
 """How much wider than the usual gap of their tread a gap between bars may be: beyond, another tread begins."""
@@ -152,7 +154,8 @@ def _on_plane(coordinates: Floats, rows: Ints) -> Ints:
     reach_m = 0.0
     for _ in range(_ROUNDS):
         off = points[2] - centre[2] - slope @ (points[:2] - centre[:2, None])
-        top = _fullest(off)
+        # Where a quarter of them lie within the least height.
+        top = densest(off, max(2, len(off) // 4))
         above = off[off > top] - top
         sigma_m = max(MAD_TO_SIGMA * float(np.median(above)) if len(above) else 0.0, _LEAST_SIGMA_M)
         reach_m = _TRIM_SIGMA * sigma_m
@@ -163,14 +166,6 @@ def _on_plane(coordinates: Floats, rows: Ints) -> Ints:
     every = coordinates[:, rows]
     is_top: Bools = np.abs(every[2] - centre[2] - slope @ (every[:2] - centre[:2, None])) <= reach_m
     return rows[is_top]
-
-
-def _fullest(values: Floats) -> float:
-    """Return where values are densest: the middle of the shortest interval that holds a quarter of them."""
-    ordered = np.sort(values)
-    n = max(2, len(ordered) // 4)
-    start = int(np.argmin(ordered[n - 1 :] - ordered[: len(ordered) - n + 1]))
-    return float(np.median(ordered[start : start + n]))
 
 
 def _join_pieces(places_m: Floats, labels: Ints, cell_m: float) -> Ints:
@@ -206,7 +201,7 @@ def _gap_between(a: Floats, b: Floats, reach: float) -> float:
     axis = _axis(longer)
     # Of several bars that hang together the longer side may be across them.
     is_bar = _sides(longer)[1] < priors.WIDEST_BAR_M
-    if not any(_face_each_other(longer, shorter, way) for way in (axis, np.array([-axis[1], axis[0]]))[: 2 - is_bar]):
+    if not any(_face_each_other(longer, shorter, way) for way in (axis, left_of(axis))[: 2 - is_bar]):
         return float("inf")
     return float(np.hypot(*(a[:, :, None] - b[:, None, :])).min())
 
@@ -229,7 +224,7 @@ def _axis(places_m: Floats) -> Floats:
 def _sides(places_m: Floats) -> tuple[float, float]:
     """Return how long and how wide cells extend, from middle to middle."""
     axis = _axis(places_m)
-    across = np.array([-axis[1], axis[0]])
+    across = left_of(axis)
     return float(np.ptp(axis @ places_m)), float(np.ptp(across @ places_m))
 
 
@@ -306,21 +301,6 @@ def surface_of_rows(
     points = horizontal.coordinates_m[:, rows]
     low = points[:2].min(axis=1)
     column, row = ((points[:2] - low[:, None]) / cell_m).astype(np.int64)
-    keys = column * (int(row.max()) + 1) + row
-    counts = np.bincount(keys)
-    cells = np.flatnonzero(counts)
-    means = np.stack([np.bincount(keys, axis)[cells] / counts[cells] for axis in points])
-    is_full = counts[cells] >= 0.3 * np.median(counts[cells])
-    slope, centre, sigma_m = fit_trimmed(means[:, is_full])
-    return Surface(
-        level_id=level_id,
-        rows=freeze(rows),
-        cells_m=freeze(means[:2].copy()),
-        area_m2=len(cells) * cell_m * cell_m,
-        height_m=float(centre[2]),
-        centre_m=freeze(centre),
-        slope=freeze(slope),
-        sigma_m=sigma_m,
-        plane=plane_of_rows(horizontal, rows),
-        is_barred=is_barred,
-    )
+    n_rows = int(row.max()) + 1
+    part = part_of_cells(rows, column * n_rows + row, tuple(points))
+    return surface_of_part(horizontal, part, level_id, cell_m, is_barred)

@@ -9,9 +9,9 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.model import Arc, Chains, Flight, HeightOrder, Note, StepShape
 from stair_inspector.stages.climbs import find_climbs
-from stair_inspector.stages.links import angle_deg
 from stair_inspector.stages.survey import Survey
 
 _MOST_ROWS = 60

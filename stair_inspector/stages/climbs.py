@@ -6,9 +6,9 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.plan import angle_deg, turn_deg
 from stair_inspector.model import Chain, Chains, StepShape
 from stair_inspector.stages.arcs import climb_at_nosing, climb_on_arc
-from stair_inspector.stages.links import angle_deg, turn_deg
 
 
 def flight_after(chains: Chains, number: int) -> int | None:
@@ -50,8 +50,3 @@ def find_climbs(chain: Chain, shapes: tuple[StepShape, ...]) -> list[Floats]:
     is_alike = np.array([angle_deg(normal, middle) <= 2.0 for normal in normals])
     common = (weights * is_alike) @ np.array(normals) if is_alike.any() else middle
     return [common / np.hypot(*common)] * len(shapes)
-
-
-def left_of(climb: Floats) -> Floats:
-    """Return the unit vector (2,) to the left of a direction of climb."""
-    return np.array([-climb[1], climb[0]])

@@ -202,9 +202,7 @@ def _hangs_behind(face: EdgeLine, out: Floats, along: Floats, offset: Floats, he
 
     Below a whole tread there is nothing, or its underside.
     """
-    ahead = (out - face.middle_m - face.slope * (along - face.along_m))[
-        (-offset >= heights[0]) & (-offset <= heights[1])
-    ]
+    ahead = face.beyond(out, along)[(-offset >= heights[0]) & (-offset <= heights[1])]
     n_behind = np.count_nonzero((ahead < -_FACE_REACH_M) & (ahead >= -priors.USUAL_BAR_M))
     density = n_behind / (priors.USUAL_BAR_M - _FACE_REACH_M)
     n_on = np.count_nonzero(np.abs(ahead) <= _FACE_REACH_M / 2.0)
@@ -213,7 +211,7 @@ def _hangs_behind(face: EdgeLine, out: Floats, along: Floats, offset: Floats, he
 
 def _goes_on_beyond(face: EdgeLine, out: Floats, along: Floats) -> bool:
     """Return whether a surface has points beyond a face of its own, as a tread of bars has: then it is no edge's."""
-    beyond = out - face.middle_m - face.slope * (along - face.along_m)
+    beyond = face.beyond(out, along)
     past = _FACE_REACH_M / 2.0 + BAND_SIGMA * face.noise_m
     n_beyond = np.count_nonzero((beyond > past) & (beyond <= priors.USUAL_BAR_M))
     return bool(n_beyond > _BEYOND_SHARE * np.count_nonzero((beyond > -priors.USUAL_BAR_M) & (beyond <= 0.0)))

@@ -9,10 +9,10 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import own
+from stair_inspector.geometry.plan import turn_deg
 from stair_inspector.model import Arc, Chain, Flight, Measured, Statistics, Step, StepShape
 from stair_inspector.stages.climbs import find_climbs, straight_climb
 from stair_inspector.stages.doubt import expanded
-from stair_inspector.stages.links import turn_deg
 from stair_inspector.stages.parts import Common
 from stair_inspector.stages.rejects import Forced
 

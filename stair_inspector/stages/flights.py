@@ -7,10 +7,11 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import freeze
+from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.model import Chain, Chains, Note, Patches, Surface
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.gaps import close_gaps
-from stair_inspector.stages.links import Link, angle_deg, find_links
+from stair_inspector.stages.links import Link, find_links
 from stair_inspector.stages.missing_feet import run_below, tall_foot
 from stair_inspector.stages.pace import SAME_CLIMB_DEG, going_between, is_base
 from stair_inspector.stages.rejects import Forced, find_undersides, may_be_step

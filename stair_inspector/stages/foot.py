@@ -8,6 +8,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, freeze
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import Chain, Chains, HeightOrder, Note, Patches, Surface
 from stair_inspector.stages.links import height_at
 from stair_inspector.stages.rejects import Forced
@@ -83,7 +84,7 @@ def _shows_what_is_under(heights: HeightOrder, surface: Surface, climb: Floats, 
     plan = heights.coordinates_m[:2, start:stop]
     under_m = surface.centre_m[2] + surface.slope @ (plan - surface.centre_m[:2, None]) - z[start:stop]
     plan = plan[:, (under_m >= below_m) & (under_m <= _LOWEST_SHARE * rise_m)]
-    across = np.array([-climb[1], climb[0]])
+    across = left_of(climb)
     first = float((across @ surface.cells_m).min())
     columns = np.floor((across @ surface.cells_m - first) / _COLUMN_M).astype(np.int64)
     fronts = np.full(int(columns.max()) + 1, np.inf)

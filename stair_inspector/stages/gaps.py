@@ -4,8 +4,9 @@ import itertools
 from collections.abc import Sequence
 
 from stair_inspector import priors
+from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.model import Surface
-from stair_inspector.stages.links import Link, angle_deg, depth_along, height_at
+from stair_inspector.stages.links import Link, depth_along, height_at
 from stair_inspector.stages.pace import (
     GOING_TOLERANCE,
     MAX_MISSING,

@@ -9,10 +9,10 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
-from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.geometry.percentiles import mad_sigma
+from stair_inspector.geometry.plan import left_of, turn_deg
 from stair_inspector.model import Chain, StepShape
 from stair_inspector.stages.arcs import SIDE_DIFFERS_M
-from stair_inspector.stages.links import turn_deg
 
 UNSEEN_M = 0.03
 """Standard uncertainty of an edge of which only the rim of what was seen is known."""
@@ -116,7 +116,7 @@ def _expect_by_riser(shapes: list[StepShape], k: int) -> _Expected | None:
     if len(overhangs_m) < _FEWEST_OF_RHYTHM:
         return None
     usual_m = float(np.median(overhangs_m))
-    scatter_m = MAD_TO_SIGMA * float(np.median(np.abs(np.array(overhangs_m) - usual_m)))
+    scatter_m = mad_sigma(np.array(overhangs_m))
     if scatter_m > _MOST_SCATTER_M:
         return None
     s_m, noise_m = own
@@ -169,7 +169,7 @@ def with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]
     not seen is taken to be in line with those that were, as unsure as what was seen of the tread ends before. What goes
     up inside the sides of the steps below and above may be a box or a person: no wall narrows one step alone.
     """
-    across = np.array([-climb[1], climb[0]])
+    across = left_of(climb)
     origins = [float(shape.origin_m @ across) for shape in shapes]
     left = _common_side([(origin, shape.left, 1.0) for origin, shape in zip(origins, shapes, strict=True)])
     right = _common_side([(origin, shape.right, -1.0) for origin, shape in zip(origins, shapes, strict=True)])

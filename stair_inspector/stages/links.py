@@ -1,6 +1,5 @@
 """Which surfaces may be neighbours on a staircase? Pairs a riser apart in height that face each other along an edge."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +8,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.plan import angle_deg, left_of
 from stair_inspector.model import Patches, Surface
 from stair_inspector.params import FlightsParams
 
@@ -100,16 +100,6 @@ def height_at(surface: Surface, plan: Floats) -> float:
     return float(surface.centre_m[2] + surface.slope @ (plan - surface.centre_m[:2]))
 
 
-def angle_deg(a: Floats, b: Floats) -> float:
-    """Return the angle between two directions of the plan, degrees, 0 to 180."""
-    return abs(turn_deg(a, b))
-
-
-def turn_deg(a: Floats, b: Floats) -> float:
-    """Return the turn from one direction of the plan to another, degrees, positive to the left."""
-    return math.degrees(math.atan2(float(a[0] * b[1] - a[1] * b[0]), float(a @ b)))
-
-
 def _link(
     patches: Patches, params: FlightsParams, pair: tuple[int, int], trees: dict[int, Any], given: Floats | None
 ) -> Link | None:
@@ -142,7 +132,7 @@ def _link(
         return None
     climb: Floats | None = None
     if given is not None or not is_covered:
-        climb = np.array([-along[1], along[0]])
+        climb = left_of(along)
         ahead = _local_mean(above.cells_m, middle) - _local_mean(below.cells_m, middle) if given is None else given
         if climb @ ahead < 0.0:
             climb = -climb

@@ -5,8 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from stair_inspector import priors
+from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.model import Surface
-from stair_inspector.stages.links import Link, angle_deg, height_at
+from stair_inspector.stages.links import Link, height_at
 from stair_inspector.stages.pace import (
     GOING_TOLERANCE,
     MAX_MISSING,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import Arc, Chain, Chains, HeightOrder, Horizontal, Patches, StepShape
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.arcs import climb_on_arc, find_arc, turning_climbs, with_arc_sides
@@ -133,6 +134,6 @@ def _common_span(patches: Patches, chain: Chain, climb: Floats) -> tuple[float, 
     spacings = [math.sqrt(surface.area_m2 / len(surface.rows)) for surface in surfaces]
     if float(np.median(spacings)) <= SPARSE_M:
         return None
-    across = np.array([-climb[1], climb[0]])
+    across = left_of(climb)
     ends = np.array([np.percentile(across @ surface.cells_m, [1.0, 99.0]) for surface in surfaces])
     return float(np.percentile(ends[:, 0], 25.0)), float(np.percentile(ends[:, 1], 75.0))

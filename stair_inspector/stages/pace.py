@@ -8,8 +8,9 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.plan import angle_deg, left_of
 from stair_inspector.model import Surface
-from stair_inspector.stages.links import Link, angle_deg, depth_along, height_at
+from stair_inspector.stages.links import Link, depth_along, height_at
 
 SAME_CLIMB_DEG = 15.0
 """Edges that climb the same way: single edges of patches are that rough."""
@@ -56,7 +57,7 @@ class Pace:
     def place(self, ahead_m: float) -> Floats:
         """Return the place of the plan that lies so far along the climb, in the middle of the run's width."""
         aside_m = (self.low_m + self.high_m) / 2.0
-        place: Floats = ahead_m * self.climb + aside_m * np.array([-self.climb[1], self.climb[0]])
+        place: Floats = ahead_m * self.climb + aside_m * left_of(self.climb)
         return place
 
     def facing_m(self, surface: Surface, front_m: float) -> tuple[float, float]:

@@ -8,6 +8,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import Examination, LocalPlane, StepShape, Up
 from stair_inspector.params import UncertaintyParams
 from stair_inspector.stages.doubt import (
@@ -90,7 +91,7 @@ class Doubts:
 
     def side(self, edge: EdgeLine, shape: StepShape) -> float:
         """Return the same of an edge at a tread's side."""
-        seen = self._of_view(edge, shape, _left_of(shape.climb), shape.extent[1] - shape.extent[0])
+        seen = self._of_view(edge, shape, left_of(shape.climb), shape.extent[1] - shape.extent[0])
         return math.hypot(edge_doubt(edge, shape.plane), self._common.side_m, seen)
 
     def _of_view(self, edge: EdgeLine, shape: StepShape, across: Floats, length_m: float) -> float:
@@ -130,7 +131,7 @@ class Doubts:
 
     def layers_aside(self, shape: StepShape) -> float:
         """Return the same of an edge at a tread's side, square to the climb."""
-        apart_m = self._apart_m(np.array([*_left_of(shape.climb), 0.0]))
+        apart_m = self._apart_m(np.array([*left_of(shape.climb), 0.0]))
         # What a strip of carpet leaves of the width goes to two sides, and to one direction.
         return math.hypot(apart_m, shape.plane.aside_m / math.sqrt(2.0)) / 2.0
 
@@ -147,7 +148,7 @@ class Doubts:
         if plane is None or not self._is_stepped:
             return 0.0
         low, high = shape.line_range
-        left = _left_of(shape.climb)
+        left = left_of(shape.climb)
         along = (high - low) * np.array([left[0], left[1], plane.slope[1]])
         return self._rounding(self._normal_of(plane, shape.climb), along, self._sigma_m)
 
@@ -159,7 +160,7 @@ class Doubts:
         """Return what rounding leaves uncertain of the place of a front or back edge, along the climb."""
         if edge is None or not self._is_stepped:
             return 0.0
-        left = _left_of(shape.climb)
+        left = left_of(shape.climb)
         return self._of_edge(
             edge, shape.climb - edge.slope * left, left + edge.slope * shape.climb, np.ptp(shape.line_range)
         )
@@ -168,7 +169,7 @@ class Doubts:
         """Return the same of an edge at a tread's side, square to the climb."""
         if not self._is_stepped:
             return 0.0
-        left = _left_of(shape.climb)
+        left = left_of(shape.climb)
         depth_m = shape.extent[1] - shape.extent[0]
         return self._of_edge(edge, left - edge.slope * shape.climb, shape.climb + edge.slope * left, depth_m)
 
@@ -181,7 +182,7 @@ class Doubts:
 
     def _normal_of(self, plane: LocalPlane, climb: Floats) -> Floats:
         """Return the normal of a surface in scan axes."""
-        lean = plane.slope[0] * climb + plane.slope[1] * _left_of(climb)
+        lean = plane.slope[0] * climb + plane.slope[1] * left_of(climb)
         normal: Floats = self._common.scan_from_level @ (np.array([*-lean, 1.0]) / math.hypot(1.0, *lean))
         return normal
 
@@ -201,7 +202,3 @@ def ray_to(shape: StepShape) -> tuple[Floats, float]:
     ray = np.array([*shape.to_plan(s, w), shape.plane.at(s, w)])
     range_m = float(np.linalg.norm(ray))
     return ray / max(range_m, 1e-9), range_m
-
-
-def _left_of(climb: Floats) -> Floats:
-    return np.array([-climb[1], climb[0]])

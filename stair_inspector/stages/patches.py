@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector.errors import CannotMeasure
-from stair_inspector.geometry.arrays import Floats, Ints, freeze, own
+from stair_inspector.geometry.arrays import Floats, Ints, freeze
 from stair_inspector.geometry.clusters import cluster_sorted, find_reach
-from stair_inspector.geometry.fits import PlaneFit, fit_plane_rows
 from stair_inspector.geometry.trimmed import fit_trimmed, height_above
 from stair_inspector.model import Horizontal, Levels, Patches, Surface
 from stair_inspector.params import LevelsParams, PatchesParams
 from stair_inspector.stages.plan_cells import PlanGrid, PlanPart, lay_plan_grid, part_of_rows, split_in_plan
+from stair_inspector.stages.treads import plane_of_rows
 
 MAX_PATCHES = 3000
 """More surfaces than a building has: the settings cut it into crumbs."""
@@ -69,9 +69,9 @@ def split_levels(horizontal: Horizontal, levels: Levels, params: PatchesParams, 
     joined = [
         surfaces[number]
         if len(pieces) == 1
-        else _describe(
+        else surface_of_part(
             horizontal,
-            _fit_part(part_of_rows(grid, coordinates, np.sort(np.concatenate(pieces)))),
+            part_of_rows(grid, coordinates, np.sort(np.concatenate(pieces))),
             surfaces[number].level_id,
             grid.cell_m,
         )
@@ -183,7 +183,16 @@ def _goes_with(crumb: Surface, large: Surface) -> bool:
     return bool(np.hypot(gaps[0], gaps[1]).min() <= _CRUMB_GAP_M)
 
 
-def _describe(horizontal: Horizontal, plane: _CellPlane, level_id: int, cell_m: float) -> Surface:
+def surface_of_part(
+    horizontal: Horizontal, part: PlanPart, level_id: int, cell_m: float, is_barred: bool = False
+) -> Surface:
+    """Return the surface that a part of the horizontal points forms."""
+    return _describe(horizontal, _fit_part(part), level_id, cell_m, is_barred)
+
+
+def _describe(
+    horizontal: Horizontal, plane: _CellPlane, level_id: int, cell_m: float, is_barred: bool = False
+) -> Surface:
     part = plane.part
     return Surface(
         level_id=level_id,
@@ -194,17 +203,6 @@ def _describe(horizontal: Horizontal, plane: _CellPlane, level_id: int, cell_m: 
         centre_m=freeze(plane.centre),
         slope=freeze(plane.slope),
         sigma_m=plane.sigma_m,
-        plane=plane_of_rows(horizontal, part.rows),
-    )
-
-
-def plane_of_rows(horizontal: Horizontal, rows: Ints) -> PlaneFit:
-    """Return the SVD plane of some rows in local scan axes (step 8 of the paper, for a patch)."""
-    fit, _ = fit_plane_rows(horizontal.coordinates_m.take(rows, axis=1), np.array([0.0, 0.0, 1.0]))
-    turn = horizontal.level_from_scan.T
-    return PlaneFit(
-        own(turn @ fit.centroid, (3,), "centroid"),
-        None if fit.normal is None else own(turn @ fit.normal, (3,), "normal"),
-        fit.rms_m,
-        fit.n_points,
+        plane=plane_of_rows(horizontal, part.rows)[0],
+        is_barred=is_barred,
     )

@@ -13,6 +13,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, Ints
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.geometry.slots import Sides, find_slots, with_common_slots
 from stair_inspector.model import Chain, Chains, HeightOrder, Horizontal, Note, Patches, Surface
 from stair_inspector.params import FlightsParams
@@ -104,7 +105,7 @@ def _note_of_bars(horizontal: Horizontal, patches: Patches, chain: Chain) -> lis
     barred = [patches.surfaces[number] for number in chain.steps if patches.surfaces[number].is_barred]
     if climb is None or len(barred) <= len(chain.steps) // 2:
         return []
-    left = np.array([-climb[1], climb[0]])
+    left = left_of(climb)
     sides = [_sides_of(horizontal, surface, left) for surface in barred]
     width_m = float(np.median([each.high - each.low for each in sides]))
     gaps_m = [stop - start for each in sides for start, stop in each.gaps]
@@ -142,7 +143,7 @@ def _parted(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Fo
         climb = straight_climb(chain)
         if climb is None or len(chain.steps) <= _WHOLE_TREADS:
             continue
-        left = np.array([-climb[1], climb[0]])
+        left = left_of(climb)
         sides = _sides_of_steps(horizontal, surfaces, chain, left)
         for k, number in enumerate(chain.steps):
             if number in forced.kinds:
@@ -210,7 +211,7 @@ def _pieces_of(
     climb = straight_climb(chain)
     if climb is None or len(chain.steps) <= _WHOLE_TREADS or not free:
         return {}
-    left = np.array([-climb[1], climb[0]])
+    left = left_of(climb)
     fronts = [float(middle @ climb) for middle in chain.middles]
     near: dict[int, list[int]] = {}
     for k, number in enumerate(chain.steps):

@@ -92,13 +92,17 @@ def _renumber(keys: Ints, spans: Sequence[slice], n_keys: int) -> Ints:
 
 def part_of_rows(grid: PlanGrid, coordinates: Floats, rows: Ints) -> PlanPart:
     """Return how some points fill their cells."""
-    cell_of = grid.cell_of.take(rows)
+    return part_of_cells(rows, grid.cell_of.take(rows), [axis.take(rows) for axis in coordinates])
+
+
+def part_of_cells(rows: Ints, cell_of: Ints, coordinates: Sequence[Floats]) -> PlanPart:
+    """Return how points of some ``rows`` (r,), three ``coordinates`` (r,), fill the cells that they lie in, (r,)."""
     first = int(cell_of.min())
     table = np.bincount(cell_of - first)
     cells = np.flatnonzero(table)
     counts = table[cells]
     place_of = (np.cumsum(table > 0) - 1).take(cell_of - first)
-    means = np.stack([np.bincount(place_of, axis.take(rows)) / counts for axis in coordinates])
+    means = np.stack([np.bincount(place_of, axis) / counts for axis in coordinates])
     return PlanPart(rows, place_of, cells + first, counts, means)
 
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, Ints, freeze, project
-from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.geometry.percentiles import mad_sigma
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Horizontal, LocalPlane, Surface
 
@@ -37,7 +38,7 @@ def fit_local(
     ``rough`` is the patch's own plane: height at the origin and the two slopes. For a tread it is the plane; of a floor
     or landing only the part near the edge counts, which may lean otherwise than the whole.
     """
-    left = np.array([-climb[1], climb[0]])
+    left = left_of(climb)
     # Tens of thousands of points give a plane as well as hundreds of thousands.
     stride = -(-len(surface.rows) // _MOST_TO_FIT)
     rows = horizontal.coordinates_m.take(surface.rows[::stride], axis=1)
@@ -61,7 +62,7 @@ def plane_of(s: Floats, w: Floats, z: Floats, numbers: tuple[float, float, float
     """Return a plane with its noise, spacing, misfit and covariance, from every ``stride``-th of its points."""
     z0, slope = numbers[0], numbers[1:]
     residual = z - z0 - slope[0] * s - slope[1] * w
-    sigma_m = max(MAD_TO_SIGMA * float(np.median(np.abs(residual - np.median(residual)))), _LEAST_SIGMA_M)
+    sigma_m = max(mad_sigma(residual), _LEAST_SIGMA_M)
     kept = np.abs(residual) <= 4.0 * sigma_m
     large, _ = block_means(s[kept], w[kept], residual[kept], _BLOCK_M, minimum=3)
     # Blocks without points are in the numbering too.

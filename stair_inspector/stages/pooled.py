@@ -14,6 +14,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, freeze
 from stair_inspector.geometry.edges import EdgeLine, RobustLine, fit_line_robust
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import HeightOrder, StepShape
 from stair_inspector.stages.sparse import SPARSE_M
 
@@ -183,7 +184,7 @@ def _find_riser(heights: HeightOrder, shapes: Sequence[StepShape], k: int) -> _R
     bottom_m = below.at(*shapes[k - 1].from_plan(shape.to_plan(front, 0.0))) if k else below.at(front, 0.0)
     start, stop = np.searchsorted(heights.coordinates_m[2], [bottom_m + _ABOVE_FOOT_M, top_m])
     rows = heights.coordinates_m[:, start:stop]
-    across = np.array([-shape.climb[1], shape.climb[0]])
+    across = left_of(shape.climb)
     shift = rows[:2] - shape.origin_m[:, None]
     s, w, under = shape.climb @ shift, across @ shift, top_m - rows[2]
     inset = _INSET_SHARE * (w_high - w_low)
@@ -204,8 +205,7 @@ def _find_riser(heights: HeightOrder, shapes: Sequence[StepShape], k: int) -> _R
     line_at = line.middle + line.slope * (w - line.x_middle)
     is_upper = near & (under >= max(_LEAST_ON_M, 2.5 * shape.plane.sigma_m)) & (under <= _NOSING_BAND_M)
     is_upper &= np.abs(s - line_at) <= priors.DEEPEST_OVERHANG_M
-    face = EdgeLine(line.middle, line.slope, line.x_middle, line.middle_noise, line.slope_noise, 1.0, "face")
-    return _Riser(face, (s - line_at)[is_upper])
+    return _Riser(line.as_edge(1.0, "face"), (s - line_at)[is_upper])
 
 
 def _line_through(along: Floats, out: Floats) -> RobustLine | None:
@@ -254,7 +254,7 @@ def _with_pooled_sides(heights: HeightOrder, shapes: Sequence[StepShape]) -> lis
     if len(treads) < _FEWEST_STEPS:
         return shapes
     climb = _square_to_nosings([shapes[k] for k in treads])
-    across = np.array([-climb[1], climb[0]])
+    across = left_of(climb)
     lateral = {k: _lateral_of(heights, shapes, k, across) for k in treads}
     pooled = np.sort(np.concatenate([places for pair in lateral.values() for places in pair]))
     if len(pooled) < _FEWEST_POINTS:
@@ -297,7 +297,7 @@ def _square_to_nosings(shapes: Sequence[StepShape]) -> Floats:
         slopes = np.array([front.slope for front in known])
         alike = np.abs(slopes - np.median(slopes)) <= _SURE_SLOPE
         slope = float((weights * alike) @ slopes / (weights * alike).sum()) if alike.any() else float(np.median(slopes))
-    turned = climb - slope * np.array([-climb[1], climb[0]])
+    turned = climb - slope * left_of(climb)
     turned /= np.hypot(*turned)
     return turned
 

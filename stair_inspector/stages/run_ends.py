@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from stair_inspector import priors
+from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.model import Surface
 from stair_inspector.params import FlightsParams
-from stair_inspector.stages.links import Link, angle_deg, depth_along
+from stair_inspector.stages.links import Link, depth_along
 from stair_inspector.stages.missing_feet import missing_foot
 from stair_inspector.stages.pace import SAME_CLIMB_DEG, going_between, is_base
 from stair_inspector.stages.rejects import Forced

@@ -16,6 +16,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.geometry.strips import find_strip
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Chain, Chains, Horizontal, Note, Patches, Surface
@@ -103,7 +104,7 @@ def _strip_of(horizontal: Horizontal, surfaces: Sequence[Surface], chain: Chain,
     for surface in treads:
         rows = surface.rows[:: -(-len(surface.rows) // _MOST_TO_FIT)]
         points = horizontal.coordinates_m.take(rows, axis=1)
-        strip = find_strip(climb @ points[:2], _left_of(climb) @ points[:2], points[2])
+        strip = find_strip(climb @ points[:2], left_of(climb) @ points[:2], points[2])
         found += [] if strip is None else [strip]
     fewest = max(_FEWEST_TREADS, _ON_MOST * len(treads))
     if len(found) < fewest:
@@ -188,7 +189,7 @@ def _is_on_strip(points: Floats, chain: Chain, climb: Floats, strip: _Runner, is
 
     On a floor or landing it may lie on a part only, and what is far away may lean otherwise.
     """
-    across, ahead = _left_of(climb) @ points[:2], climb @ points[:2]
+    across, ahead = left_of(climb) @ points[:2], climb @ points[:2]
     if is_step:
         is_near = ahead <= float(np.percentile(ahead, 1.0)) + priors.FLOOR_STRIP_M
     else:
@@ -202,7 +203,3 @@ def _is_on_strip(points: Floats, chain: Chain, climb: Floats, strip: _Runner, is
     above = points[2] - centre[2] - slope @ (points[:2] - centre[:2, None])
     is_on: Bools = between & (above > strip.thick_m / 2.0) & (above < 2.0 * strip.thick_m)
     return is_on
-
-
-def _left_of(climb: Floats) -> Floats:
-    return np.array([-climb[1], climb[0]])

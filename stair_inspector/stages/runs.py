@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from stair_inspector import priors
+from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.params import FlightsParams
-from stair_inspector.stages.links import Link, angle_deg
+from stair_inspector.stages.links import Link
 from stair_inspector.stages.pace import SAME_CLIMB_DEG
 
 LEAST_OVERLAP = 0.5

@@ -8,6 +8,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Sampling, find_face_edge
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.geometry.slots import find_slots
 from stair_inspector.model import Arc, Chain, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
@@ -43,7 +44,7 @@ def find_shape(
     """Find the plane and the edges of step ``k`` of a chain along a direction of climb, in the step's own frame."""
     number = chain.steps[k]
     surface = patches.surfaces[number]
-    left = np.array([-climb[1], climb[0]])
+    left = left_of(climb)
     origin = chain.middles[k]
     if k == 0 and chain.base is None:
         # Nothing lies below: the patch's own front is all there is.
@@ -233,7 +234,7 @@ def _find_foot(
     horizontal: Horizontal, base: Surface, origin: Floats, climb: Floats, extent: tuple[float, float, float, float]
 ) -> LocalPlane | None:
     """Fit the floor or landing just in front of the lowest step."""
-    left = np.array([-climb[1], climb[0]])
+    left = left_of(climb)
     s, w = climb @ (base.cells_m - origin[:, None]), left @ (base.cells_m - origin[:, None])
     front, _, w_low, w_high = extent
     beside = (w >= w_low) & (w <= w_high) & (s <= front)

@@ -7,10 +7,11 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, own
 from stair_inspector.geometry.fits import PlaneFit
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import Chain, Measured, PaperValues, Step, StepShape
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.arcs import arc_length
-from stair_inspector.stages.climbs import find_climbs, left_of, straight_climb
+from stair_inspector.stages.climbs import find_climbs, straight_climb
 from stair_inspector.stages.doubt import NEAR_REGISTRATION, expanded, slope_doubt, surface_doubt
 from stair_inspector.stages.parts import Common, Doubts
 

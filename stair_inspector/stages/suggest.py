@@ -9,7 +9,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.geometry.percentiles import mad_sigma
 from stair_inspector.model import HeightOrder
 from stair_inspector.params import SETTINGS, FlightsParams, Params
 
@@ -216,7 +216,7 @@ def _find_thickness(z_m: Floats, levels_m: list[float], reach_m: float) -> float
     spreads = []
     for level_m in levels_m:
         near = z_m[np.searchsorted(z_m, level_m - reach_m) : np.searchsorted(z_m, level_m + reach_m)]
-        spreads.append(MAD_TO_SIGMA * float(np.median(np.abs(near - np.median(near)))))
+        spreads.append(mad_sigma(near))
     return float(np.median(spreads))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from stair_inspector.geometry.arrays import Floats, Ints, freeze, own, project
 from stair_inspector.geometry.fits import PlaneFit, fit_plane_rows, principal_axis
 from stair_inspector.geometry.percentiles import percentile_of_sorted
+from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import Axes, Edges, Extents, Horizontal, Levels, NearestPoints, Note, Surfaces
 from stair_inspector.params import AxesRule, DisplayParams, EdgesParams, Method
 
@@ -27,21 +28,25 @@ def fit_surfaces(horizontal: Horizontal, levels: Levels) -> Surfaces:
     Surfaces
         Centroids and normals in local scan axes, n_k . u > 0.
     """
-    upwards = np.array([0.0, 0.0, 1.0])
-    scan_from_level = horizontal.level_from_scan.T
     planes, plan_scatter = [], []
     for start, stop in zip(levels.start, levels.stop, strict=True):
-        fit, scatter = fit_plane_rows(horizontal.coordinates_m[:, start:stop], upwards)
+        plane, scatter = plane_of_rows(horizontal, slice(start, stop))
         plan_scatter.append(own(scatter[:2, :2], (2, 2), "plan_scatter"))
-        planes.append(
-            PlaneFit(
-                centroid=own(scan_from_level @ fit.centroid, (3,), "centroid"),
-                normal=None if fit.normal is None else own(scan_from_level @ fit.normal, (3,), "normal"),
-                rms_m=fit.rms_m,
-                n_points=fit.n_points,
-            )
-        )
+        planes.append(plane)
     return Surfaces(tuple(planes), tuple(plan_scatter))
+
+
+def plane_of_rows(horizontal: Horizontal, rows: Ints | slice) -> tuple[PlaneFit, Floats]:
+    """Return the SVD plane of some rows in local scan axes, and their scatter (3, 3) in the level frame."""
+    fit, scatter = fit_plane_rows(_chosen(horizontal.coordinates_m, rows), np.array([0.0, 0.0, 1.0]))
+    turn = horizontal.level_from_scan.T
+    normal = None if fit.normal is None else own(turn @ fit.normal, (3,), "normal")
+    return PlaneFit(own(turn @ fit.centroid, (3,), "centroid"), normal, fit.rms_m, fit.n_points), scatter
+
+
+def _chosen(coordinates: Floats, rows: Ints | slice) -> Floats:
+    # Taken row by row, the coordinates stay together in memory.
+    return coordinates[:, rows] if isinstance(rows, slice) else coordinates.take(rows, axis=1)
 
 
 def find_axes(horizontal: Horizontal, surfaces: Surfaces, rule: AxesRule, method: Method) -> Axes | None:
@@ -76,7 +81,7 @@ def find_axes(horizontal: Horizontal, surfaces: Surfaces, rule: AxesRule, method
         shift = means - counts @ means / counts.sum()
         scatter = scatter + (shift * counts[:, None]).T @ shift
     width, ratio = principal_axis(scatter)
-    depth = np.array([-width[1], width[0]])
+    depth = left_of(width)
     notes = [] if climb_note is None else [climb_note]
     decided: Literal["global", "per_step", "rise"] = pooled
     if climb is not None:
@@ -159,10 +164,7 @@ def nearest_rows(horizontal: Horizontal, rows: Ints | slice, centre: Floats, wan
     wanted : int
         All are returned where there are fewer.
     """
-    coordinates = horizontal.coordinates_m
-    # Taken row by row, the coordinates stay together in memory.
-    chosen = coordinates[:, rows] if isinstance(rows, slice) else coordinates.take(rows, axis=1)
-    offset = chosen - (horizontal.level_from_scan @ centre)[:, None]
+    offset = _chosen(horizontal.coordinates_m, rows) - (horizontal.level_from_scan @ centre)[:, None]
     distance = np.einsum("ij,ij->j", offset, offset)
     k = min(wanted, len(distance))
     few = np.argpartition(distance, k - 1)[:k] if 0 < k < len(distance) else np.arange(k)

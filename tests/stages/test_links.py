@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.flights import find_chains
-from stair_inspector.stages.links import angle_deg, find_links
+from stair_inspector.stages.links import find_links
 from stair_inspector.stages.rejects import Forced
 from tests.stages.rectangles import GOING, RISE, WIDTH, flight, floor, moved, patches_of, rectangle, surface_of
 
