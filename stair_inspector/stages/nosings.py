@@ -14,7 +14,7 @@ from stair_inspector.stages.climbs import flight_after, straight_climb
 from stair_inspector.stages.hidden import with_common_sides, with_doubtful_fronts, with_wedge_sides
 from stair_inspector.stages.pooled import pool_steps
 from stair_inspector.stages.sparse import SPARSE_M
-from stair_inspector.stages.step_shapes import find_shape
+from stair_inspector.stages.step_shapes import Scanned, find_shape
 
 
 def find_shapes(
@@ -47,69 +47,47 @@ def find_shapes(
     tuple of tuple of StepShape
         For each chain its steps from bottom to top; level frame.
     """
+    scanned = Scanned(heights, horizontal, patches, params, is_stepped)
     shapes: dict[int, tuple[StepShape, ...]] = {}
     # From the top, because the back of a landing is looked for near the flight that begins there.
     for number in range(len(chains.chains) - 1, -1, -1):
-        chain = chains.chains[number]
         after = flight_after(chains, number)
         above = None if after is None else shapes[after][0]
-        shapes[number] = _shapes_of(heights, horizontal, patches, chain, above, params, is_stepped, sparse_step_m)
+        shapes[number] = _shapes_of(scanned, chains.chains[number], above, sparse_step_m)
     return tuple(shapes[number] for number in range(len(chains.chains)))
 
 
 def _shapes_of(
-    heights: HeightOrder,
-    horizontal: Horizontal,
-    patches: Patches,
-    chain: Chain,
-    above: StepShape | None,
-    params: SurveyParams,
-    is_stepped: bool,
-    sparse_step_m: float | None,
+    scanned: Scanned, chain: Chain, above: StepShape | None, sparse_step_m: float | None
 ) -> tuple[StepShape, ...]:
     common = straight_climb(chain)
-    span = _common_span(patches, chain, common) if sparse_step_m is not None and common is not None else None
+    span = _common_span(scanned.patches, chain, common) if sparse_step_m is not None and common is not None else None
     usual = [climb if common is None else common for climb in chain.climbs]
     turning = turning_climbs(chain)
     found: list[StepShape] = []
     for climbs in (usual,) if turning is None else (turning, usual):
         is_square = common is not None and climbs is usual
-        found = _shapes_along(
-            heights,
-            horizontal,
-            patches,
-            chain,
-            above,
-            climbs,
-            is_square,
-            params,
-            is_stepped,
-            span if is_square else None,
-        )
+        found = _shapes_along(scanned, chain, above, climbs, is_square, span if is_square else None)
         arc = find_arc(found)
         if arc is None:
             continue
         # Once more along the arc: the sides of a tread are looked for beside its own direction of climb.
         climbs = [climb_on_arc(arc, shape) for shape in found]
-        curved = _shapes_along(heights, horizontal, patches, chain, above, climbs, True, params, is_stepped, None, arc)
+        curved = _shapes_along(scanned, chain, above, climbs, True, None, arc)
         arc = find_arc(curved)
         if arc is not None:
             return tuple(with_arc_sides(curved, arc))
     if span is not None and sparse_step_m is not None:
-        found = pool_steps(heights, found, sparse_step_m)
+        found = pool_steps(scanned.heights, found, sparse_step_m)
     return tuple(with_wedge_sides(found, chain) if common is None else with_common_sides(found, common))
 
 
 def _shapes_along(
-    heights: HeightOrder,
-    horizontal: Horizontal,
-    patches: Patches,
+    scanned: Scanned,
     chain: Chain,
     above: StepShape | None,
     climbs: Sequence[Floats],
     is_straight: bool,
-    params: SurveyParams,
-    is_stepped: bool,
     span: tuple[float, float] | None,
     arc: Arc | None = None,
 ) -> list[StepShape]:
@@ -118,12 +96,8 @@ def _shapes_along(
     # From the top, because the back of a step is looked for near the nosing above it.
     for k in range(len(chain.steps) - 1, -1, -1):
         is_last_below_gap = k + 1 < len(chain.steps) and chain.n_missing[k + 1] > 0
-        above = None if is_last_below_gap else above
-        shape = find_shape(
-            heights, horizontal, patches, chain, k, climbs[k], above, is_straight, params, is_stepped, span, arc
-        )
-        shapes.append(shape)
-        above = shape
+        above = find_shape(scanned, chain, k, climbs[k], None if is_last_below_gap else above, is_straight, span, arc)
+        shapes.append(above)
     is_one_way = is_straight and arc is None
     return with_doubtful_fronts(shapes[::-1], chain, climbs[0] if is_one_way else None)
 

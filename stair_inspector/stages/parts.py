@@ -129,6 +129,13 @@ class Doubts:
         mistaken = layers_doubt(priors.DEEPEST_OVERHANG_M) if above_m > _MISTAKEN_M else 0.0
         return math.hypot(apart_m / 2.0, mistaken, _OF_COVER * shape.plane.cover_m)
 
+    def across(self, *edges: tuple[EdgeLine | None, StepShape]) -> dict[str, float]:
+        """Return what rounding and doubled surfaces leave uncertain of the distance of front or back edges."""
+        return {
+            "resolution": math.hypot(*(self.rounding_across(*edge) for edge in edges)),
+            "layers": math.hypot(*(self.layers_across(*edge) for edge in edges)),
+        }
+
     def layers_aside(self, shape: StepShape) -> float:
         """Return the same of an edge at a tread's side, square to the climb."""
         apart_m = self._apart_m(np.array([*left_of(shape.climb), 0.0]))

@@ -1,7 +1,7 @@
 """What are the plane and the edges of one step? From its patch and what lies near it."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,28 +27,51 @@ _INSET_M = 0.03
 _LEAST_BAND_M = 0.002
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Scanned:
+    """What the edges of a scan's steps are looked for in, and how; ``is_stepped`` where coordinates were rounded."""
+
+    heights: HeightOrder
+    horizontal: Horizontal
+    patches: Patches
+    params: SurveyParams
+    is_stepped: bool
+
+
 def find_shape(
-    heights: HeightOrder,
-    horizontal: Horizontal,
-    patches: Patches,
+    scanned: Scanned,
     chain: Chain,
     k: int,
     climb: Floats,
     above: StepShape | None,
     is_straight: bool,
-    params: SurveyParams,
-    is_stepped: bool,
-    span: tuple[float, float] | None = None,
-    arc: Arc | None = None,
+    span: tuple[float, float] | None,
+    arc: Arc | None,
 ) -> StepShape:
-    """Find the plane and the edges of step ``k`` of a chain along a direction of climb, in the step's own frame."""
+    """Find the plane and the edges of step ``k`` of a chain along a direction of climb, in the step's own frame.
+
+    Parameters
+    ----------
+    scanned, chain
+        Of one scan.
+    k, climb
+        The step, and its direction of climb (2,).
+    above : StepShape, optional
+        Of the step above, if there is one.
+    is_straight : bool
+        Whether the sides run exactly along the climb.
+    span : (low, high), optional
+        Between which sides most steps of a sparse flight lie, across the climb.
+    arc : Arc, optional
+        Of a flight that curves.
+    """
+    patches = scanned.patches
     number = chain.steps[k]
     surface = patches.surfaces[number]
     left = left_of(climb)
-    origin = chain.middles[k]
-    if k == 0 and chain.base is None:
-        # Nothing lies below: the patch's own front is all there is.
-        origin = surface.cells_m.mean(axis=1)
+    # Nothing lies below the first step of a flight without a floor: the patch's own front is all there is.
+    has_edge = k > 0 or chain.base is not None
+    origin = chain.middles[k] if has_edge else surface.cells_m.mean(axis=1)
     s, w = climb @ (surface.cells_m - origin[:, None]), left @ (surface.cells_m - origin[:, None])
     covered = None
     if surface.covered_m is not None:
@@ -69,15 +92,15 @@ def find_shape(
     extent = (front, s_high, w_low, w_high)
     z0 = float(surface.centre_m[2] + surface.slope @ (origin - surface.centre_m[:2]))
     rough = (z0, float(surface.slope @ climb), float(surface.slope @ left))
-    plane = fit_local(horizontal, surface, origin, climb, extent, rough)
-    band_m = params.band_m or max(BAND_SIGMA * plane.sigma_m, _LEAST_BAND_M)
+    plane = fit_local(scanned.horizontal, surface, origin, climb, extent, rough)
+    band_m = scanned.params.band_m or max(BAND_SIGMA * plane.sigma_m, _LEAST_BAND_M)
     rise_above_m, reach = 0.0, extent
     if above is not None:
         s_above, w_above = _shape_frame(origin, climb, above.to_plan(above.front.middle_m, 0.0))
         rise_above_m = above.plane.z0_m - plane.at(s_above, w_above)
         # The riser may lie beyond what was seen of the tread.
         reach = (front, max(s_high, s_above), w_low, w_high)
-    near, stride = gather_near(heights, origin, climb, reach, plane, max(rise_above_m, 0.1))
+    near, stride = gather_near(scanned.heights, origin, climb, reach, plane, max(rise_above_m, 0.1))
     plane = replace(plane, spacing_m=plane.spacing_m * math.sqrt(stride))
     if plane.sigma_m > NOISY_M or span is not None:
         plane, near = refit_plane(near, plane, extent)
@@ -85,11 +108,11 @@ def find_shape(
     sampling = Sampling(plane.sigma_m, plane.spacing_m)
     if covered is not None:
         near = near.chosen((near.w < covered[0]) | (near.w > covered[1]))
-    finder = EdgeFinder(near, sampling, band_m, params, surface.is_barred)
+    finder = EdgeFinder(near, sampling, band_m, scanned.params, surface.is_barred)
     finder_across = replace(finder, sampling=replace(sampling, left_out=covered))
     half_m = chain.lengths_m[k] / 2.0
     is_wide = w_high - w_low > 1.5 * chain.lengths_m[k]
-    front_span = (-half_m, half_m) if is_wide and not (k == 0 and chain.base is None) else (w_low, w_high)
+    front_span = (-half_m, half_m) if is_wide and has_edge else (w_low, w_high)
     found = finder_across.edge(-near.s, near.w, _inset(front_span), -front, is_foot=False)
     nosing = _guessed(front, front_span) if found is None else found.flipped()
     start = nosing.middle_m
@@ -109,6 +132,9 @@ def find_shape(
     right_side = _guessed(w_low, right_span) if to_right is None else to_right.flipped()
     if arc is not None:
         left_side, right_side = (side_of(arc, origin, climb, side) for side in (left_side, right_side))
+    foot = None
+    if k == 0 and chain.base is not None:
+        foot = _find_foot(scanned.horizontal, patches.surfaces[chain.base], origin, climb, extent)
     shape = StepShape(
         surface=number,
         origin_m=origin,
@@ -119,9 +145,7 @@ def find_shape(
         back=None,
         left=left_side,
         right=right_side,
-        foot=None
-        if k or chain.base is None
-        else _find_foot(horizontal, patches.surfaces[chain.base], origin, climb, extent),
+        foot=foot,
         back_limits=None,
         coverage=0.0,
         line_range=(0.0, 0.0),
@@ -129,7 +153,7 @@ def find_shape(
         nosing_noise=(0.0, 0.0, 0.0),
     )
     shape = replace(shape, line_range=(shape.right.at(start), shape.left.at(start)))
-    shape = with_nosing_heights(shape, near, band_m, is_stepped, surface.is_barred)
+    shape = with_nosing_heights(shape, near, band_m, scanned.is_stepped, surface.is_barred)
     shape = _with_back(shape, finder_across, above, rise_above_m)
     return replace(shape, coverage=_coverage(shape, near, band_m, covered))
 
@@ -198,8 +222,7 @@ def _with_back(shape: StepShape, finder: EdgeFinder, above: StepShape | None, ri
         back = finder.edge(near.s, near.w, span, s_high)
         return replace(shape, back=back if back is not None and back.source == "face" else None)
     # The nosing above, as a line in this frame.
-    ends = [shape.from_plan(above.to_plan(above.front.at(w), w)) for w in _front_ends(above)]
-    (s0, w0), (s1, w1) = ends
+    (s0, w0), (s1, w1) = (shape.from_plan(above.to_plan(above.front.at(w), w)) for w in above.extent[2:])
     slope = (s1 - s0) / (w1 - w0) if abs(w1 - w0) > 1e-6 else 0.0
     # The front of a landing is longer than the flight; a riser is as wide as both.
     low, high = max(span[0], min(w0, w1)), min(span[1], max(w0, w1))
@@ -224,10 +247,6 @@ def _with_back(shape: StepShape, finder: EdgeFinder, above: StepShape | None, ri
     return replace(
         shape, back_limits=(min(seen, nosing + priors.DEEPEST_OVERHANG_M), nosing + priors.DEEPEST_OVERHANG_M)
     )
-
-
-def _front_ends(shape: StepShape) -> tuple[float, float]:
-    return shape.extent[2], shape.extent[3]
 
 
 def _find_foot(

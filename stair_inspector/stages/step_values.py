@@ -57,12 +57,8 @@ class StepMeasurer:
         rises = [None if self._chain.n_missing[k] else self._rises(k) for k in range(n)]
         steps = []
         for k, shape in enumerate(self._shapes[:n]):
-            going = None if goings[k] is None else self._going(k, goings[k])
-            rise = self._rise(k, rises[k], goings[k - 1] if k else None)
-            next_rise = None
-            if k + 1 < n:
-                next_rise = self._rise(k + 1, rises[k + 1], goings[k])
-            depth = self._depth(k, goings[k])
+            going, depth = self._going(k, goings[k]), self._depth(k, goings[k])
+            next_rise = self._rise(k + 1, rises[k + 1], goings[k]) if k + 1 < n else None
             steps.append(
                 Step(
                     step_id=0,
@@ -70,7 +66,7 @@ class StepMeasurer:
                     corners=self._corners(k),
                     nearest_ids=np.zeros(0, dtype=np.int64),
                     paper=PaperValues(),
-                    rise_m=rise,
+                    rise_m=self._rise(k, rises[k], goings[k - 1] if k else None),
                     going_m=going,
                     tread_depth_m=depth,
                     width_m=self._width(k),
@@ -183,10 +179,7 @@ class StepMeasurer:
             edge=math.hypot(
                 doubts.place(lower.front, lower), doubts.place(upper.front, upper), self._wedge_doubt(k, goings)
             ),
-            resolution=math.hypot(
-                doubts.rounding_across(lower.front, lower), doubts.rounding_across(upper.front, upper)
-            ),
-            layers=math.hypot(doubts.layers_across(lower.front, lower), doubts.layers_across(upper.front, upper)),
+            **doubts.across((lower.front, lower), (upper.front, upper)),
             up=self._context.up_rad * abs(rise_m),
             registration=self._context.registration_m,
             scale=self._context.scale * goings[1],
@@ -206,28 +199,30 @@ class StepMeasurer:
 
     def _depth(self, k: int, goings: tuple[float | None, ...] | None) -> Measured | None:
         shape, line = self._shapes[k], self._lines[k][1]
-        edge = math.hypot(self._doubts.place(shape.front, shape), self._wedge_doubt(k, goings))
-        noise = shape.front.noise_at(line.w_m)
-        if shape.back is not None:
-            depth_m = shape.back.at(line.w_m) - line.s_m
-            noise = math.hypot(noise, shape.back.noise_at(line.w_m))
-            edge = math.hypot(edge, self._doubts.place(shape.back, shape))
-        elif shape.back_limits is not None:
-            # Anywhere between the two: half the interval is the expanded uncertainty.
-            low, high = shape.back_limits
-            depth_m = (low + high) / 2.0 - line.s_m
-            edge = math.hypot(edge, (high - low) / 4.0)
-        else:
+        if shape.back is None and shape.back_limits is None:
             return None
+        edge = math.hypot(self._doubts.place(shape.front, shape), self._wedge_doubt(k, goings))
+        noise, edge = self._with_back(k, shape.front.noise_at(line.w_m), edge)
+        back_m = sum(shape.back_limits or ()) / 2.0 if shape.back is None else shape.back.at(line.w_m)
+        depth_m = back_m - line.s_m
         return expanded(
             depth_m,
             noise=noise,
             edge=edge,
-            resolution=math.hypot(*(self._doubts.rounding_across(end, shape) for end in (shape.front, shape.back))),
-            layers=math.hypot(*(self._doubts.layers_across(end, shape) for end in (shape.front, shape.back))),
+            **self._doubts.across((shape.front, shape), (shape.back, shape)),
             registration=self._context.registration_m,
             scale=self._context.scale * depth_m,
         )
+
+    def _with_back(self, k: int, noise: float, edge: float) -> tuple[float, float]:
+        """Return what is uncertain of another edge, by its noise and by where it is, with the same of a step's back."""
+        shape = self._shapes[k]
+        if shape.back is not None:
+            back = shape.back.noise_at(self._lines[k][1].w_m), self._doubts.place(shape.back, shape)
+            return math.hypot(noise, back[0]), math.hypot(edge, back[1])
+        # Anywhere between the limits: half the interval is the expanded uncertainty.
+        low, high = shape.back_limits or (0.0, 0.0)
+        return noise, math.hypot(edge, (high - low) / 4.0)
 
     def _overhang(self, k: int, depth: Measured | None, going: Measured | None) -> Measured | None:
         """Return how far the next nosing stands over this tread; its own nosing, in both terms, drops out.
@@ -237,13 +232,8 @@ class StepMeasurer:
         if depth is None or going is None:
             return None
         shape, above = self._shapes[k], self._shapes[k + 1]
-        w = self._lines[k][1].w_m
-        noise, edge = above.front.noise_at(self._lines[k + 1][1].w_m), self._doubts.place(above.front, above)
-        if shape.back is not None:
-            noise = math.hypot(noise, shape.back.noise_at(w))
-            edge = math.hypot(edge, self._doubts.place(shape.back, shape))
-        elif shape.back_limits is not None:
-            edge = math.hypot(edge, (shape.back_limits[1] - shape.back_limits[0]) / 4.0)
+        nosing = above.front.noise_at(self._lines[k + 1][1].w_m), self._doubts.place(above.front, above)
+        noise, edge = self._with_back(k, *nosing)
         rise_m = above.plane.at(0.0, 0.0) - shape.plane.at(0.0, 0.0)
         overhang_m = depth.value - going.value
         if shape.back is not None and not self._is_straight:
@@ -254,19 +244,15 @@ class StepMeasurer:
             overhang_m,
             noise=noise,
             edge=edge,
-            resolution=math.hypot(
-                self._doubts.rounding_across(shape.back, shape), self._doubts.rounding_across(above.front, above)
-            ),
-            layers=math.hypot(
-                self._doubts.layers_across(shape.back, shape), self._doubts.layers_across(above.front, above)
-            ),
+            **self._doubts.across((shape.back, shape), (above.front, above)),
             up=self._context.up_rad * abs(rise_m),
             registration=NEAR_REGISTRATION * self._context.registration_m,
         )
 
     def _width(self, k: int) -> Measured:
         shape = self._shapes[k]
-        s = self._mid_depth(k)
+        # Where the side edges were looked for and their noise is least.
+        s = (shape.left.along_m + shape.right.along_m) / 2.0
         doubt = math.hypot(self._doubts.side(shape.left, shape), self._doubts.side(shape.right, shape))
         width_m = shape.left.at(s) - shape.right.at(s)
         if shape.arc is not None:
@@ -281,11 +267,6 @@ class StepMeasurer:
             registration=self._context.registration_m,
             scale=self._context.scale * width_m,
         )
-
-    def _mid_depth(self, k: int) -> float:
-        shape = self._shapes[k]
-        # Where the side edges were looked for and their noise is least.
-        return (shape.left.along_m + shape.right.along_m) / 2.0
 
     def _pitch(self, going: Measured, rise: Measured) -> Measured:
         """Return the angle of the line from this nosing to the next; a tilt turns it as a whole."""
