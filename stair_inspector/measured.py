@@ -171,11 +171,7 @@ def two_r_plus_g_of(step: Step, _: Step | None) -> Measured | None:
     rise, going = usable(step.rise_m), usable(step.going_m)
     if rise is None or going is None:
         return None
-    parts = {name: math.hypot(2.0 * part_of(rise, name), part_of(going, name)) for name in OWN_PARTS}
-    # A tilt that makes the rises larger makes the goings smaller.
-    parts["up"] = abs(2.0 * part_of(rise, "up") - part_of(going, "up"))
-    parts["scale"] = 2.0 * part_of(rise, "scale") + part_of(going, "scale")
-    return combined(2.0 * rise.value + going.value, parts)
+    return _weighted(2.0 * rise.value + going.value, (rise, 2.0), (going, 1.0))
 
 
 def diagonal_of(step: Step, above: Step | None) -> Measured | None:
@@ -184,11 +180,17 @@ def diagonal_of(step: Step, above: Step | None) -> Measured | None:
     if going is None or rise is None:
         return None
     length = math.hypot(going.value, rise.value)
-    along, up = going.value / length, rise.value / length
-    parts = {name: math.hypot(along * part_of(going, name), up * part_of(rise, name)) for name in OWN_PARTS}
-    parts["up"] = abs(along * part_of(going, "up") - up * part_of(rise, "up"))
-    parts["scale"] = along * part_of(going, "scale") + up * part_of(rise, "scale")
-    return combined(length, parts)
+    return _weighted(length, (going, going.value / length), (rise, rise.value / length))
+
+
+def _weighted(value: float, one: tuple[Measured, float], other: tuple[Measured, float]) -> Measured:
+    """Return what grows with a rise and a going by these weights."""
+    (a, by_a), (b, by_b) = one, other
+    parts = {name: math.hypot(by_a * part_of(a, name), by_b * part_of(b, name)) for name in OWN_PARTS}
+    # A tilt that makes the rises larger makes the goings smaller.
+    parts["up"] = abs(by_a * part_of(a, "up") - by_b * part_of(b, "up"))
+    parts["scale"] = by_a * part_of(a, "scale") + by_b * part_of(b, "scale")
+    return combined(value, parts)
 
 
 def steepest_slope_of(step: Step, _: Step | None) -> Measured | None:
@@ -209,13 +211,15 @@ def steepest_slope_of(step: Step, _: Step | None) -> Measured | None:
 
 def rise_of_flight(flight: Flight, steps: Sequence[Step]) -> Measured | None:
     """Return the sum of a flight's rises; None where one is missing."""
-    rises = [step.rise_m for step in steps]
-    known = [rise for rise in rises if rise is not None]
-    return total(known) if known and len(known) == len(rises) and len(rises) == flight.n_risers else None
+    whole = len(steps) == flight.n_risers
+    return _sum_of([step.rise_m for step in steps]) if whole else None
 
 
 def run_of_flight(_: Flight, steps: Sequence[Step]) -> Measured | None:
     """Return the sum of a flight's goings, from its first nosing to its last; None where one is missing."""
-    goings = [step.going_m for step in steps[:-1]]
-    known = [going for going in goings if going is not None]
-    return total(known) if known and len(known) == len(goings) else None
+    return _sum_of([step.going_m for step in steps[:-1]])
+
+
+def _sum_of(values: Sequence[Measured | None]) -> Measured | None:
+    known = [value for value in values if value is not None]
+    return total(known) if known and len(known) == len(values) else None

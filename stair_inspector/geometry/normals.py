@@ -9,15 +9,13 @@ _CELL_M = 0.02
 _MORTON_BITS = 21
 
 
-def morton_order(points: Floats, cell_m: float = _CELL_M) -> Ints:
-    """Return the order of points along a Z-order curve through cubic cells.
+def morton_order(points: Floats) -> Ints:
+    """Return the order of points along a Z-order curve through cubic cells of 20 mm, larger where the extent needs it.
 
     Parameters
     ----------
     points : (n, 3), metres
         Any frame.
-    cell_m : float
-        Edge of a cell; enlarged where the extent needs more than 2**21 cells.
 
     Returns
     -------
@@ -25,7 +23,7 @@ def morton_order(points: Floats, cell_m: float = _CELL_M) -> Ints:
         Indices; points of one cell keep their order.
     """
     low = points.min(axis=0)
-    cell = max(cell_m, float((points.max(axis=0) - low).max()) / (2**_MORTON_BITS - 1))
+    cell = max(_CELL_M, float((points.max(axis=0) - low).max()) / (2**_MORTON_BITS - 1))
     cells = ((points - low) / cell).astype(np.uint64)
     code = _spread(cells[:, 0]) | _spread(cells[:, 1]) << np.uint64(1) | _spread(cells[:, 2]) << np.uint64(2)
     return np.argsort(code, kind="stable")

@@ -199,51 +199,38 @@ def _spiral(stair: Stair) -> list[Footprint]:
     """Return wedge treads that turn left about a column; the upper landing leaves straight ahead."""
     inner, outer = stair.spiral_radius_m, stair.spiral_radius_m + stair.width_m
     middle = (inner + outer) / 2.0
-    centre = (0.0, stair.width_m / 2.0 + inner)
     ahead = stair.going_m - stair.overhang_m
     # The turn for which the line square to a nosing, from its middle, meets the next nosing at just the going.
     step_rad = math.atan2(ahead, middle) + math.asin(stair.overhang_m / math.hypot(middle, ahead))
-
-    def at(radius: float, angle: float) -> Flat:
-        return centre[0] + radius * math.sin(angle), centre[1] - radius * math.cos(angle)
-
-    n_facets = max(1, math.ceil(math.degrees(step_rad) / _ARC_DEG))
-    plans: list[Footprint] = []
-    for index in range(stair.n_risers):
-        start, stop = index * step_rad, (index + 1) * step_rad
-        climb = (math.cos(start), math.sin(start))
-        riser = (at(inner, start), at(outer, start))
-        front = (shifted(riser[0], climb, -stair.overhang_m), shifted(riser[1], climb, -stair.overhang_m))
-        if index + 1 < stair.n_risers:
-            left: tuple[Flat, ...] = (at(inner, stop),)
-            right = tuple(at(outer, start + step_rad * (facet + 1) / n_facets) for facet in range(n_facets))
-        else:
-            far = stair.upper_landing_m
-            left, right = (shifted(front[0], climb, far),), (shifted(front[1], climb, far),)
-        plans.append(Footprint(climb, front, riser, left, right))
-    return plans
+    return _about(stair, stair.width_m / 2.0 + inner, (inner, outer), step_rad, _ARC_DEG)
 
 
 def _curved(stair: Stair) -> list[Footprint]:
     """Return treads that turn left about a far centre; the upper landing leaves straight ahead."""
-    inner, outer = stair.curve_radius_m - stair.width_m / 2.0, stair.curve_radius_m + stair.width_m / 2.0
-    centre = (0.0, stair.curve_radius_m)
-    step_rad = curve_rad(stair)
+    radii = stair.curve_radius_m - stair.width_m / 2.0, stair.curve_radius_m + stair.width_m / 2.0
+    return _about(stair, stair.curve_radius_m, radii, curve_rad(stair), _CURVE_DEG)
+
+
+def _about(stair: Stair, centre_y: float, radii: Flat, step_rad: float, facet_deg: float) -> list[Footprint]:
+    """Return treads between two radii that turn left about a centre beside the foot of the stair."""
 
     def at(radius: float, angle: float) -> Flat:
-        return centre[0] + radius * math.sin(angle), centre[1] - radius * math.cos(angle)
+        return radius * math.sin(angle), centre_y - radius * math.cos(angle)
 
-    n_facets = max(1, math.ceil(math.degrees(step_rad) / _CURVE_DEG))
+    n_facets = max(1, math.ceil(math.degrees(step_rad) / facet_deg))
     plans: list[Footprint] = []
     for index in range(stair.n_risers):
         start = index * step_rad
         climb = (math.cos(start), math.sin(start))
-        riser = (at(inner, start), at(outer, start))
+        riser = (at(radii[0], start), at(radii[1], start))
         front = (shifted(riser[0], climb, -stair.overhang_m), shifted(riser[1], climb, -stair.overhang_m))
         left, right = (
             tuple(at(radius, start + step_rad * (facet + 1) / n_facets) for facet in range(n_facets))
-            for radius in (inner, outer)
+            for radius in radii
         )
+        if stair.shape == "spiral":
+            # The column is round, but what it hides of a tread is one piece.
+            left = (at(radii[0], (index + 1) * step_rad),)
         if index + 1 == stair.n_risers:
             far = stair.upper_landing_m
             left, right = (shifted(front[0], climb, far),), (shifted(front[1], climb, far),)

@@ -1,6 +1,6 @@
 """What do merging programs leave of the returns? Thinned, smoothed over, with holes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -24,28 +24,13 @@ class ScanReturns:
 
     def taken(self, ids: Ints) -> "ScanReturns":
         """Return some of the returns."""
-        return ScanReturns(
-            self.points[ids],
-            self.colors[ids],
-            self.station_ids[ids],
-            self.surface_ids[ids],
-            self.is_mixed[ids],
-            self.squares[ids],
-            self.priority[ids],
-        )
+        return ScanReturns(*(getattr(self, item.name)[ids] for item in fields(self)))
 
     @staticmethod
     def joined(parts: "list[ScanReturns]") -> "ScanReturns":
         """Return the returns of several parts as one, in order."""
-        return ScanReturns(
-            np.concatenate([part.points for part in parts]),
-            np.concatenate([part.colors for part in parts]),
-            np.concatenate([part.station_ids for part in parts]),
-            np.concatenate([part.surface_ids for part in parts]),
-            np.concatenate([part.is_mixed for part in parts]),
-            np.concatenate([part.squares for part in parts]),
-            np.concatenate([part.priority for part in parts]),
-        )
+        names = [item.name for item in fields(ScanReturns)]
+        return ScanReturns(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
 def thin_out(returns: ScanReturns, joint_of: Ints, spacing_m: float) -> ScanReturns:

@@ -13,6 +13,7 @@ from stair_inspector.geometry.arrays import Point
 from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL
 from stair_inspector.simulate.footprints import Flat
 from stair_inspector.simulate.shapes import COLOURS, Building, BuildingPart, BuiltSurface, Shapes
+from stair_inspector.simulate.tops import around, upright_face
 
 _WALL_M = 2.5
 _BOARD_M = 0.02
@@ -47,8 +48,8 @@ def ramp() -> Building:
     shapes.quad([(length, -half, high), (end, -half, high), (end, half, high), (length, half, high)], surface)
     for y in (-half, half):
         shapes.fan([(0.0, y, 0.0), (length, y, 0.0), (length, y, high)], side)
-        shapes.quad([(length, y, 0.0), (end, y, 0.0), (end, y, high), (length, y, high)], side)
-    shapes.quad([(end, -half, 0.0), (end, half, 0.0), (end, half, high), (end, -half, high)], side)
+        shapes.quad(upright_face((length, y), (end, y), (0.0, 0.0), (high, high)), side)
+    shapes.quad(upright_face((end, -half), (end, half), (0.0, 0.0), (high, high)), side)
     n_pieces = 16
     climb = [(length * i / n_pieces, 0.0, high * i / n_pieces) for i in range(n_pieces + 1)]
     return shapes.building(None, (), ((-1.2, 0.0, 0.0), *climb, (end - 0.7, 0.0, high)), "ramp")
@@ -95,9 +96,7 @@ def shelves() -> Building:
         _add_block(shapes, (0.0, -width / 2.0, apart * (index + 1) - _BOARD_M), (depth, width, _BOARD_M), "table")
     for y in (-width / 2.0 - _BOARD_M, width / 2.0):
         _add_block(shapes, (0.0, y, 0.0), (depth, _BOARD_M, high), "table")
-    shapes.quad(
-        [(0.32, -1.5, 0.0), (0.32, 1.5, 0.0), (0.32, 1.5, _WALL_M), (0.32, -1.5, _WALL_M)], _surface("wall", "wall")
-    )
+    _add_wall(shapes, (0.32, -1.5), (0.32, 1.5))
     return shapes.building(None, (), _straight_way(-1.8, -0.8), "shelves")
 
 
@@ -105,9 +104,7 @@ def stacked_boxes() -> Building:
     """Return a heap of boxes of various sizes against a wall."""
     shapes = Shapes()
     _add_floor(shapes, (-2.5, 1.2), (-1.5, 1.5))
-    shapes.quad(
-        [(1.2, -1.5, 0.0), (1.2, 1.5, 0.0), (1.2, 1.5, _WALL_M), (1.2, -1.5, _WALL_M)], _surface("wall", "wall")
-    )
+    _add_wall(shapes, (1.2, -1.5), (1.2, 1.5))
     for low, size, colour in (
         ((0.55, -1.1, 0.0), (0.6, 0.7, 0.42), "box"),
         ((0.6, -1.0, 0.42), (0.5, 0.45, 0.33), "crate"),
@@ -155,8 +152,12 @@ def _add_floor(shapes: Shapes, x: Flat, y: Flat) -> None:
 def _add_walls(shapes: Shapes, x: Flat, y: Flat) -> None:
     """Add walls on the four sides of a rectangle."""
     corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])]
-    for start, stop in zip(corners, (*corners[1:], corners[0]), strict=True):
-        shapes.quad([(*start, 0.0), (*stop, 0.0), (*stop, _WALL_M), (*start, _WALL_M)], _surface("wall", "wall"))
+    for start, stop in around(corners):
+        _add_wall(shapes, start, stop)
+
+
+def _add_wall(shapes: Shapes, start: Flat, stop: Flat) -> None:
+    shapes.quad(upright_face(start, stop, (0.0, 0.0), (_WALL_M, _WALL_M)), _surface("wall", "wall"))
 
 
 def _add_block(shapes: Shapes, low: Point, size: Point, colour: str) -> None:
@@ -172,8 +173,8 @@ def _add_turned_block(shapes: Shapes, middle: Flat, size: Point, yaw_rad: float)
         x, y = a * size[0], b * size[1]
         corners.append((middle[0] + cos * x - sin * y, middle[1] + sin * x + cos * y))
     shapes.quad([(*corner, size[2]) for corner in corners], _surface("box"))
-    for start, stop in zip(corners, (*corners[1:], corners[0]), strict=True):
-        shapes.quad([(*start, 0.0), (*stop, 0.0), (*stop, size[2]), (*start, size[2])], _surface("box"))
+    for start, stop in around(corners):
+        shapes.quad(upright_face(start, stop, (0.0, 0.0), (size[2], size[2])), _surface("box"))
 
 
 def _add_table(shapes: Shapes, middle: Flat, size: Flat, height: float) -> None:

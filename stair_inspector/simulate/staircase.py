@@ -202,7 +202,7 @@ def _add_walls(shapes: Shapes, stair: Stair, steps: tuple[StepTruth, ...], groun
     for side, y in (("left", far_left + 0.001), ("right", -half - 0.001)):
         if stair.wall in (side, "both"):
             shapes.quad(
-                [(start, y, 0.0), (end, y, 0.0), (end, y, roof), (start, y, roof)],
+                upright_face((start, y), (end, y), (0.0, 0.0), (roof, roof)),
                 BuiltSurface("wall", NON_STAIR_LABEL, COLOURS["wall"], crease=(2, roof) if stair.ceiling else None),
             )
     if stair.ceiling:

@@ -1,6 +1,7 @@
 """The top of one step as a mesh: nosing strip, rounded edge, worn hollow, sides of the slab."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def add_top(
         heights = [step.top(*corner) for corner in strip]
         shapes.level(strip, heights, BuiltSurface(step.kind, k, COLOURS["strip"], k, crease))
         if proud:
-            for start, stop in _around(strip):
+            for start, stop in around(strip):
                 if not _is_on(edge, start, stop):
                     high = (step.top(*start), step.top(*stop))
                     shapes.quad(upright_face(start, stop, (high[0] - proud, high[1] - proud), high), upright)
@@ -46,7 +47,7 @@ def add_top(
     left, right = plan.front
     high = (step.top(*right) - radius, step.top(*left) - radius)
     shapes.quad(upright_face(right, left, (base, base), high), upright)
-    for start, stop in _around(ring):
+    for start, stop in around(ring):
         if not (_is_on(edge, start, stop) or _is_on(plan.back, start, stop)):
             high = (step.top(*start) - proud, step.top(*stop) - proud)
             shapes.quad(upright_face(start, stop, (base, base), high), side)
@@ -81,7 +82,7 @@ def upright_face(start: Flat, stop: Flat, low: tuple[float, float], high: tuple[
     return [(*start, low[0]), (*stop, low[1]), (*stop, high[1]), (*start, high[0])]
 
 
-def _around(ring: Ring) -> list[tuple[Flat, Flat]]:
+def around(ring: Sequence[Flat]) -> list[tuple[Flat, Flat]]:
     """Return the edges of a ring of corners."""
     return list(zip(ring, (*ring[1:], *ring[:1]), strict=True))
 
@@ -104,7 +105,7 @@ def _cut(ring: Ring, front: tuple[Flat, Flat], depth_m: float) -> tuple[Ring, Ri
     before: list[Flat] = []
     behind: list[Flat] = []
     cuts: list[Flat] = []
-    for start, stop in _around(ring):
+    for start, stop in around(ring):
         a, b = ((x - front[0][0]) * normal[0] + (y - front[0][1]) * normal[1] - depth_m for x, y in (start, stop))
         (behind if a > 0.0 else before).append(start)
         if (a > 0.0) != (b > 0.0):

@@ -171,16 +171,21 @@ def with_common_sides(shapes: list[StepShape], climb: Floats) -> list[StepShape]
     """
     across = left_of(climb)
     origins = [float(shape.origin_m @ across) for shape in shapes]
-    left = _common_side([(origin, shape.left, 1.0) for origin, shape in zip(origins, shapes, strict=True)])
-    right = _common_side([(origin, shape.right, -1.0) for origin, shape in zip(origins, shapes, strict=True)])
+    found = []
+    for name, sign in (("left", 1.0), ("right", -1.0)):
+        edges: list[EdgeLine] = [getattr(shape, name) for shape in shapes]
+        places_m = [sign * (origin + edge.middle_m) for origin, edge in zip(origins, edges, strict=True)]
+        side = _common_side(edges, np.array(places_m))
+        checked = [
+            _checked_side(edge, side, places_m[k], sign, _inmost_beside(places_m, k)) for k, edge in enumerate(edges)
+        ]
+        found.append((side, checked))
+    (left, on_left), (right, on_right) = found
     if len(shapes) < _FEWEST_FOR_SIDES and not (left.is_blurred or right.is_blurred):
         return shapes
     result = []
     for k, (shape, origin) in enumerate(zip(shapes, origins, strict=True)):
-        inmost_left = _inmost_beside([o + each.left.middle_m for o, each in zip(origins, shapes, strict=True)], k)
-        inmost_right = _inmost_beside([-o - each.right.middle_m for o, each in zip(origins, shapes, strict=True)], k)
-        to_left, hidden_left = _checked_side(shape.left, left, origin, 1.0, inmost_left)
-        to_right, hidden_right = _checked_side(shape.right, right, origin, -1.0, inmost_right)
+        (to_left, hidden_left), (to_right, hidden_right) = on_left[k], on_right[k]
         low, high = shape.line_range
         if abs(hidden_left) > SIDE_DIFFERS_M and not left.is_blurred:
             high = left.place_m - origin
@@ -212,19 +217,18 @@ class _Side:
     is_blurred: bool = False
 
 
-def _common_side(edges: list[tuple[float, EdgeLine, float]]) -> _Side:
-    """Return the usual place of sides given by the origin of their frame, their line and the sign of outwards."""
-    places = np.array([sign * (origin + edge.middle_m) for origin, edge, sign in edges])
-    is_found = np.array([not _is_guess(edge) for _, edge, _ in edges])
+def _common_side(edges: list[EdgeLine], places: Floats) -> _Side:
+    """Return the usual place of sides, given where each lies outwards."""
+    is_found = np.array([not _is_guess(edge) for edge in edges])
     place_m = float(np.median(places))
     found = places[is_found]
     middle_m = float(np.median(found)) if len(found) else place_m
-    noises = np.array([edge.free_noise_m for _, edge, _ in edges])[is_found]
+    noises = np.array([edge.free_noise_m for edge in edges])[is_found]
     agrees = np.abs(found - middle_m) <= np.maximum(_SAME_PLACE_M, _SAME_SIGMAS * noises)
     n_agree = int(np.count_nonzero(agrees))
     if n_agree < _FEWEST_FOR_SIDES or 2 * n_agree <= len(found):
         # What noise cuts off a tread, it cuts off at another place than the next one's: none reaches too far.
-        is_blurred = float(np.median([edge.free_noise_m for _, edge, _ in edges])) > _SAME_PLACE_M
+        is_blurred = float(np.median([edge.free_noise_m for edge in edges])) > _SAME_PLACE_M
         return _Side(float(places.max()), None, True) if is_blurred else _Side(place_m, None)
     weights = 1.0 / np.maximum(noises[agrees], 0.5 * float(np.median(noises[agrees])) + 1e-6) ** 2
     mean_m = float(np.average(found[agrees], weights=weights))
@@ -236,12 +240,12 @@ def _is_guess(edge: EdgeLine) -> bool:
     return not edge.support and not edge.obstructed_m
 
 
-def _checked_side(edge: EdgeLine, side: _Side, origin_m: float, sign: float, inmost_m: float) -> tuple[EdgeLine, float]:
+def _checked_side(edge: EdgeLine, side: _Side, place_m: float, sign: float, inmost_m: float) -> tuple[EdgeLine, float]:
     """Hold a side against those of its flight: return it, and how far inside them it lies.
 
-    ``inmost_m`` is the inner place of the sides of the steps below and above.
+    ``place_m`` is where it lies outwards, ``inmost_m`` the inner place of the sides of the steps below and above.
     """
-    hidden_m = side.place_m - sign * (origin_m + edge.middle_m)
+    hidden_m = side.place_m - place_m
     if side.scatter_m is not None and edge.source == "tread":
         same_m = max(_SAME_PLACE_M, _SAME_SIGMAS * math.hypot(edge.free_noise_m, side.scatter_m))
         if edge.obstructed_m and abs(hidden_m) <= same_m:
@@ -256,7 +260,7 @@ def _checked_side(edge: EdgeLine, side: _Side, origin_m: float, sign: float, inm
     limit_m = _SIDE_INSIDE_M + edge.noise_m if side.is_blurred else SIDE_DIFFERS_M + 4.0 * edge.noise_m
     if side.scatter_m is not None:
         limit_m = min(limit_m, _SIDE_INSIDE_M + _INSIDE_SIGMAS * math.hypot(edge.noise_m, side.scatter_m))
-    is_of_a_thing = edge.is_wall and inmost_m - sign * (origin_m + edge.middle_m) > SIDE_DIFFERS_M
+    is_of_a_thing = edge.is_wall and inmost_m - place_m > SIDE_DIFFERS_M
     if hidden_m > limit_m and (edge.source == "tread" or is_of_a_thing):
         edge = replace(edge, noise_m=math.hypot(edge.noise_m, hidden_m / 2.0), support=0.0)
     return edge, hidden_m

@@ -234,22 +234,11 @@ def _densest_window(values: Floats, width_m: float, fewest: int = _FEWEST_ON_FAC
     return float(chosen.mean()), float(chosen.std()) / math.sqrt(len(chosen)), len(chosen) / len(ordered)
 
 
-def _with_pooled_sides(heights: HeightOrder, shapes: Sequence[StepShape]) -> list[StepShape]:
+def _with_pooled_sides(heights: HeightOrder, shapes: list[StepShape]) -> list[StepShape]:
     """Place the sides of a straight flight's treads from the points of all of them.
 
-    Parameters
-    ----------
-    heights : HeightOrder
-        All points.
-    shapes : sequence of StepShape
-        Of one flight from bottom to top, all with the same direction of climb.
-
-    Returns
-    -------
-    list of StepShape
-        A step whose own points end elsewhere by more than chance ends there; a landing stays as it is.
+    A step whose own points end elsewhere by more than chance ends there; a landing stays as it is.
     """
-    shapes = list(shapes)
     treads = [k for k, shape in enumerate(shapes) if shape.extent[1] - shape.extent[0] <= priors.LONGEST_TREAD_M]
     if len(treads) < _FEWEST_STEPS:
         return shapes

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.arrays import Floats, Point
 from stair_inspector.model import Horizontal, Note, Patches, Scan, Step, Up
 from stair_inspector.overrules import parse_region
 
@@ -50,18 +50,12 @@ def note_region_cuts(
     box = parse_region(region)
     if box is None:
         return []
-    bounds = np.array(box) - scan.origin_m
     notes = []
     for step, own, spacing_m in zip(steps, points, spacings_m, strict=True):
         if step.climb is None:
             continue
         left = np.cross(up.vector, step.climb)
-        cut = {
-            _side_of(axis, sign, step.climb, left)
-            for axis in range(3)
-            for bound, sign in zip(bounds[:, axis], (-1.0, 1.0), strict=True)
-            if abs(up.vector[axis]) < _UPRIGHT and _is_cut(scan, up, own, spacing_m, axis, float(bound), sign)
-        }
+        cut = {_side_of(*face, step.climb, left) for face in _cut_faces(scan, up, box, own, spacing_m)}
         for names, what in ((("left", "right"), "width"), (("front", "back"), "depth")):
             sides = [name for name in names if name in cut]
             if sides:
@@ -93,20 +87,25 @@ def find_cut_faces(scan: Scan, horizontal: Horizontal, patches: Patches, region:
     box = parse_region(region)
     if box is None:
         return {}
-    up = horizontal.up
-    bounds = np.array(box) - scan.origin_m
     found: dict[int, tuple[Floats, ...]] = {}
     for number, surface in enumerate(patches.surfaces):
         own = scan.points[horizontal.point_ids[surface.rows]]
         spacing_m = math.sqrt(surface.area_m2 / len(surface.rows))
-        ways = []
-        for axis in (axis for axis in range(3) if abs(up.vector[axis]) < _UPRIGHT):
-            for bound, sign in zip(bounds[:, axis], (-1.0, 1.0), strict=True):
-                if _is_cut(scan, up, own, spacing_m, axis, float(bound), sign):
-                    ways.append(sign * horizontal.level_from_scan[:2, axis])
-        if ways:
-            found[number] = tuple(ways)
+        cut = _cut_faces(scan, horizontal.up, box, own, spacing_m)
+        if cut:
+            found[number] = tuple(sign * horizontal.level_from_scan[:2, axis] for axis, sign in cut)
     return found
+
+
+def _cut_faces(scan: Scan, up: Up, box: tuple[Point, Point], own: Floats, spacing_m: float) -> list[tuple[int, float]]:
+    """Return the upright faces of the region that cut through a surface: axis, and sign of the side they look out."""
+    bounds = np.array(box) - scan.origin_m
+    return [
+        (axis, sign)
+        for axis in range(3)
+        for bound, sign in zip(bounds[:, axis], (-1.0, 1.0), strict=True)
+        if abs(up.vector[axis]) < _UPRIGHT and _is_cut(scan, up, own, spacing_m, axis, float(bound), sign)
+    ]
 
 
 def _side_of(axis: int, sign: float, climb: Floats, left: Floats) -> str:
