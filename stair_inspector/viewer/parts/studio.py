@@ -15,7 +15,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Colors
 from stair_inspector.pictures.cameras import Pose
 from stair_inspector.viewer.parts.desk import Desk
-from stair_inspector.viewer.scene.stage import quaternion
+from stair_inspector.viewer.scene.nodes import quaternion
 
 _TIMEOUT_S = 60.0
 _FRAMES = 3

@@ -1,9 +1,9 @@
 """An inspector's scene: what of an inspection is drawn, as nodes of viser."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial, wraps
-from typing import Any, Literal, TypeVar, cast
+from typing import Literal, TypeVar, cast
 
 import numpy as np
 import viser
@@ -12,8 +12,9 @@ from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.geometry.arrays import Colors, Floats
 from stair_inspector.pictures.display import Display
 from stair_inspector.pictures.segmentation import SegmentedScene, extent_of
-from stair_inspector.viewer.scene.dimensions import Anchor, Dimensions, Label
+from stair_inspector.viewer.scene.dimensions import Dimensions
 from stair_inspector.viewer.scene.measurements import MeasureDrawing
+from stair_inspector.viewer.scene.nodes import NO_LINES, NodeLabel, Nodes, outline_of
 from stair_inspector.viewer.scene.step_marks import TONE_RGB, StepMark
 
 Mode = Literal["Raw", "Segmented", "Side by side"]
@@ -30,6 +31,7 @@ MEASURED: Rgb = (230, 60, 140)
 PAPER_EDGES: Rgb = (130, 50, 240)
 """Of what an inspector measured by hand, and of the paper's edges beside the survey's: none of the hues of steps, edges
 and measuring lines."""
+_SEGMENTS, _REGION = "/stair/segments", "/stair/region"
 _CLOUDS = ("/stair/segments/cloud", "/stair/segments/centres", "/stair/segments/selected")
 _PAPER_EDGES = "/stair/segments/paper_edges"
 _LINES = ("/stair/segments/edges", "/stair/segments/nosings", "/stair/segments/outside", _PAPER_EDGES)
@@ -47,12 +49,6 @@ _POINT_FACTORS = {
 """Diameter of the points of each cloud, in those of the scan."""
 
 _Draw = TypeVar("_Draw", bound=Callable[..., None])
-
-
-def quaternion(rotation: Floats) -> tuple[float, float, float, float]:
-    """Return the quaternion (w, x, y, z) of a rotation matrix."""
-    wxyz = viser.transforms.SO3.from_matrix(rotation).wxyz
-    return (float(wxyz[0]), float(wxyz[1]), float(wxyz[2]), float(wxyz[3]))
 
 
 def _counted(draw: _Draw) -> _Draw:
@@ -90,110 +86,61 @@ class Stage:
     before_clear: list[Callable[[], None]] = field(default_factory=list)
     _lent: Mode | None = None
     _magnified: float = 1.0
-    _nodes: dict[str, Any] = field(default_factory=dict)
     _per_step: list[tuple[viser.MeshHandle, viser.LabelHandle]] = field(default_factory=list)
     _step_names: tuple[str, ...] = ()
-    _rejected: list[viser.LabelHandle] = field(default_factory=list)
-    _dimension_labels: list[viser.LabelHandle] = field(default_factory=list)
-    _measure_labels: list[viser.LabelHandle] = field(default_factory=list)
     _is_cut: bool = False
     _cut_steps: frozenset[str] = frozenset()
     _covered_steps: frozenset[str] = frozenset()
+
+    def __post_init__(self) -> None:
+        self._nodes = Nodes(self.client.scene)
 
     @_counted
     def show_scan(self, display: Display, rotation: Floats, point_size_m: float) -> None:
         """Replace everything by a scan, standing upright."""
         self.clear()
-        scene = self.client.scene
         self.rotation, self.point_size_m = rotation, point_size_m
         self.extent = extent_of(display.points @ rotation.T)
-        self._nodes["stair"] = scene.add_frame("/stair", show_axes=False, wxyz=quaternion(rotation))
-        self._nodes["segments"] = scene.add_frame("/stair/segments", show_axes=False)
+        self._nodes.frame("/stair", rotation)
+        self._nodes.frame(_SEGMENTS)
         # The box of the part that counts stands in it.
-        self._nodes["region"] = scene.add_frame("/stair/region", show_axes=False)
-        for name, is_visible in (("/stair/raw", self._mode_shown != "Segmented"), ("/stair/segments/cloud", True)):
-            self._nodes[name] = scene.add_point_cloud(
-                name,
-                display.points.astype(np.float32),
-                display.colors,
-                point_size=self._point_size_of(name),
-                point_shape="circle",
-                point_shading="flat",
-                precision="float32",
-                visible=is_visible,
-            )
+        self._nodes.frame(_REGION)
+        self._points("/stair/raw", display.points, display.colors, is_visible=self._mode_shown != "Segmented")
+        self._points("/stair/segments/cloud", display.points, display.colors)
         self._show_mode()
 
     @_counted
     def show_drawing(self, drawing: SegmentedScene, palette: Palette, on_pick: Callable[[int], None]) -> None:
         """Replace the segmentation; ``on_pick(step_id)`` is called when a step's plate is clicked."""
-        scene = self.client.scene
         self._nodes["/stair/segments/cloud"].colors = drawing.colors
-        self._replace_lines("/stair/segments/edges", drawing.edges, drawing.edge_colors)
-        self._replace_lines("/stair/segments/nosings", drawing.nosings, palette.front_edge, _NOSING_PIXELS)
-        if not len(drawing.centres):
-            self._remove("/stair/segments/centres")
-        else:
-            # Added again under the same name, it takes the old one's place without a gap.
-            self._nodes["/stair/segments/centres"] = scene.add_point_cloud(
-                "/stair/segments/centres",
-                drawing.centres.astype(np.float32),
-                palette.centre,
-                point_size=self._point_size_of("/stair/segments/centres"),
-                point_shape="circle",
-                point_shading="flat",
-                precision="float32",
-                visible=not self._is_cut,
-            )
+        self._lines("/stair/segments/edges", drawing.edges, drawing.edge_colors)
+        self._lines("/stair/segments/nosings", drawing.nosings, palette.front_edge, _NOSING_PIXELS)
+        self._points("/stair/segments/centres", drawing.centres, palette.centre)
         if self._step_names != drawing.labels:
             self._add_steps(drawing, on_pick)
         for (plate, label), corners in zip(self._per_step, drawing.corners, strict=True):
             plate.vertices = corners.astype(np.float32)
             label.position = _beside(corners)
-        self._rejected = self._replace_labels(
-            self._rejected,
-            [(f"/stair/segments/rejected/{name}", name, place, "center-center") for name, place in drawing.rejected],
-        )
+        rejected: list[NodeLabel] = [(name, name, place, "center-center") for name, place in drawing.rejected]
+        self._nodes.labels("/stair/segments/rejected", rejected)
 
     @_counted
     def highlight(self, points: Floats, corners: Floats | None, color: Rgb = HIGHLIGHT) -> None:
         """Draw points (k, 3) and the outline of a plate (4, 3) on top of the segmentation, or nothing."""
-        if not len(points):
-            self._remove("/stair/segments/selected")
-        else:
-            self._nodes["/stair/segments/selected"] = self.client.scene.add_point_cloud(
-                "/stair/segments/selected",
-                points.astype(np.float32),
-                color,
-                point_size=self._point_size_of("/stair/segments/selected"),
-                point_shape="circle",
-                point_shading="flat",
-                precision="float32",
-                visible=not self._is_cut,
-            )
-        outline = np.zeros((0, 2, 3))
-        if corners is not None:
-            outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-        self._replace_lines("/stair/segments/outline", outline, HIGHLIGHT, 2.0 * _EDGE_PIXELS)
+        self._points("/stair/segments/selected", points, color)
+        self._lines("/stair/segments/outline", outline_of(corners), HIGHLIGHT, 2.0 * _EDGE_PIXELS)
 
     @_counted
     def show_dimensions(self, step_id: int | None, dimensions: Dimensions | None, palette: Palette) -> None:
         """Draw the measuring lines, dimension arrows and labels of a step, or nothing."""
-        nothing = np.zeros((0, 2, 3))
-        measuring, arrows = (dimensions.measuring, dimensions.arrows) if dimensions is not None else (nothing, nothing)
-        self._replace_lines("/stair/segments/measuring", measuring, palette.measure, _EDGE_PIXELS)
-        self._replace_lines("/stair/segments/dimensions", arrows, palette.centre, _ARROW_PIXELS)
-        self._dimension_labels = self._replace_labels(
-            self._dimension_labels,
-            [
-                (f"/stair/segments/dimension_labels/{label.text.split(' ')[0]}", *_label_of(label))
-                for label in (dimensions.labels if dimensions is not None else ())
-            ],
-        )
-
+        dimensions = dimensions or Dimensions(NO_LINES, NO_LINES, ())
+        self._lines("/stair/segments/measuring", dimensions.measuring, palette.measure)
+        self._lines("/stair/segments/dimensions", dimensions.arrows, palette.centre, _ARROW_PIXELS)
+        labels = [(each.text.split(" ")[0], each.text, each.position, each.anchor) for each in dimensions.labels]
+        self._nodes.labels("/stair/segments/dimension_labels", labels)
         # The numbers of the step and of its neighbours stand where the labels run.
         self._covered_steps = frozenset()
-        if step_id is not None and self._dimension_labels:
+        if step_id is not None and labels:
             self._covered_steps = frozenset(str(number) for number in (step_id - 1, step_id, step_id + 1))
         self._show_numbers()
 
@@ -207,11 +154,11 @@ class Stage:
             label.text = name if mark is None else f"{name} {mark.sign}"
             if mark is not None:
                 corners = np.asarray(plate.vertices, dtype=np.float64) + lift_m
-                outlines.append(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
+                outlines.append(outline_of(corners))
                 colors += [TONE_RGB[mark.tone]] * len(corners)
-        self._replace_lines(
+        self._lines(
             "/stair/segments/outside",
-            np.concatenate(outlines) if outlines else np.zeros((0, 2, 3)),
+            np.concatenate([NO_LINES, *outlines]),
             np.array(colors, dtype=np.uint8).reshape(-1, 3),
             _MARK_PIXELS,
         )
@@ -219,7 +166,7 @@ class Stage:
     @_counted
     def show_paper_edges(self, lines: Floats) -> None:
         """Draw the edges (k, 2, 3) that the paper places beside those of the survey, or none."""
-        self._replace_lines(_PAPER_EDGES, lines, PAPER_EDGES, _MARK_PIXELS)
+        self._lines(_PAPER_EDGES, lines, PAPER_EDGES, _MARK_PIXELS)
 
     @_counted
     def show_section(
@@ -240,45 +187,18 @@ class Stage:
         """
         self._is_cut = outline is not None
         self._cut_steps = frozenset(map(str, step_ids))
-        if outline is None or not len(points):
-            self._remove("/stair/section/cloud")
-        else:
-            self._nodes["/stair/section/cloud"] = self.client.scene.add_point_cloud(
-                "/stair/section/cloud",
-                points.astype(np.float32),
-                colors,
-                point_size=self._point_size_of("/stair/section/cloud"),
-                point_shape="circle",
-                point_shading="flat",
-                precision="float32",
-            )
-        lines = np.zeros((0, 2, 3)) if outline is None else np.stack([outline, np.roll(outline, -1, axis=0)], axis=1)
-        self._replace_lines("/stair/section/outline", lines, HIGHLIGHT, _ARROW_PIXELS)
+        self._points("/stair/section/cloud", points if self._is_cut else points[:0], colors)
+        self._lines("/stair/section/outline", outline_of(outline), HIGHLIGHT, _ARROW_PIXELS)
         self._show_mode()
 
     @_counted
     def show_measurements(self, drawing: MeasureDrawing | None) -> None:
         """Draw what was measured by hand, or nothing; it stays when the result changes."""
-        nothing = np.zeros((0, 2, 3))
-        self._replace_lines("/stair/measured/lines", drawing.lines if drawing else nothing, MEASURED, _EDGE_PIXELS)
-        self._replace_lines("/stair/measured/legs", drawing.legs if drawing else nothing, MEASURED, _ARROW_PIXELS / 2.0)
-        if drawing is None or not len(drawing.points):
-            self._remove("/stair/measured/points")
-        else:
-            self._nodes["/stair/measured/points"] = self.client.scene.add_point_cloud(
-                "/stair/measured/points",
-                drawing.points.astype(np.float32),
-                MEASURED,
-                point_size=self._point_size_of("/stair/measured/points"),
-                point_shape="circle",
-                point_shading="flat",
-                precision="float32",
-            )
-        labels = drawing.labels if drawing is not None else ()
-        self._measure_labels = self._replace_labels(
-            self._measure_labels,
-            [(f"/stair/measured/labels/{name}", words, place, anchor) for name, words, place, anchor in labels],
-        )
+        drawing = drawing or MeasureDrawing(NO_LINES, NO_LINES, np.zeros((0, 3)), ())
+        self._lines("/stair/measured/lines", drawing.lines, MEASURED)
+        self._lines("/stair/measured/legs", drawing.legs, MEASURED, _ARROW_PIXELS / 2.0)
+        self._points("/stair/measured/points", drawing.points, MEASURED)
+        self._nodes.labels("/stair/measured/labels", drawing.labels)
 
     @_counted
     def set_mode(self, mode: Mode) -> None:
@@ -323,19 +243,15 @@ class Stage:
         for take_away in self.before_clear:
             take_away()
         self._remove_steps()
-        self._rejected = self._replace_labels(self._rejected, [])
-        self._dimension_labels = self._replace_labels(self._dimension_labels, [])
-        self._measure_labels = self._replace_labels(self._measure_labels, [])
         self._is_cut = False
-        for name in list(self._nodes)[::-1]:
-            self._remove(name)
+        self._nodes.clear()
 
     @property
     def _mode_shown(self) -> Mode:
         return self._lent or self.mode
 
     def _show_mode(self) -> None:
-        if "stair" not in self._nodes:
+        if "/stair" not in self._nodes:
             return
         mode = self._mode_shown
         self._nodes["/stair/raw"].visible = mode != "Segmented" and not self._is_cut
@@ -343,10 +259,10 @@ class Stage:
             if name in self._nodes:
                 self._nodes[name].visible = not self._is_cut
         self._show_numbers()
-        self._nodes["region"].visible = self._lent is None
-        self._nodes["segments"].visible = mode != "Raw"
+        self._nodes[_REGION].visible = self._lent is None
+        self._nodes[_SEGMENTS].visible = mode != "Raw"
         # Along the view's x axis, given in the frame's own axes.
-        self._nodes["segments"].position = self.shift_m() * self.rotation[0]
+        self._nodes[_SEGMENTS].position = self.shift_m() * self.rotation[0]
 
     def _point_size_of(self, name: str) -> float:
         return _POINT_FACTORS[name] * self.point_size_m * self._magnified
@@ -391,49 +307,12 @@ class Stage:
             label.remove()
         self._per_step, self._step_names = [], ()
 
-    def _replace_labels(
-        self, old: list[viser.LabelHandle], labels: Sequence[tuple[str, str, Floats, Anchor | Literal["center-center"]]]
-    ) -> list[viser.LabelHandle]:
-        """Replace labels by others, given as node name, text, place and anchor; return their nodes."""
-        kept = {name for name, *_ in labels}
-        for node in old:
-            # Added again under the same name, a label takes the old one's place without a gap.
-            if node.name not in kept:
-                node.remove()
-        return [
-            self.client.scene.add_label(name, words, position=place, anchor=anchor, font_screen_scale=0.85)
-            for name, words, place, anchor in labels
-        ]
+    def _lines(self, name: str, segments: Floats, colors: Colors | Rgb, pixels: float = _EDGE_PIXELS) -> None:
+        self._nodes.lines(name, segments, colors, pixels, is_visible=not (self._is_cut and name in _LINES))
 
-    def _replace_lines(self, name: str, segments: Floats, colors: Colors | Rgb, pixels: float = _EDGE_PIXELS) -> None:
-        """Replace lines (k, 2, 3), with a colour for each (k, 3) or one for all."""
-        if not len(segments):
-            self._remove(name)
-            return
-        colors = np.broadcast_to(np.array(colors, dtype=np.uint8), (len(segments), 3))
-        self._nodes[name] = self.client.scene.add_line_segments(
-            name,
-            segments.astype(np.float32),
-            np.repeat(_linear(colors)[:, None, :], 2, axis=1),
-            thickness=pixels,
-            thickness_units="screen",
-            visible=not (self._is_cut and name in _LINES),
-        )
-
-    def _remove(self, name: str) -> None:
-        if name in self._nodes:
-            self._nodes.pop(name).remove()
-
-
-def _linear(colors: Colors) -> Colors:
-    """Return the intensities that the browser turns back into these colours: for lines alone it takes them as light."""
-    shares = colors / 255.0
-    light = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
-    return np.rint(255.0 * light).astype(np.uint8)
-
-
-def _label_of(label: Label) -> tuple[str, Floats, Anchor]:
-    return label.text, label.position, label.anchor
+    def _points(self, name: str, points: Floats, colors: Colors | Rgb, *, is_visible: bool = True) -> None:
+        is_visible = is_visible and not (self._is_cut and name in _CLOUDS)
+        self._nodes.points(name, points, colors, self._point_size_of(name), is_visible=is_visible)
 
 
 def _pick(on_pick: Callable[[int], None], step_id: int, _: object) -> None:

@@ -180,7 +180,7 @@ def test_a_section_stands_in_for_the_clouds_in_every_mode_and_gives_them_back(se
     assert [is_seen(stage, name) for name in clouds] == [False, False, False]
     # Edges and numbers stand where the section is, not beside it.
     assert stage.shift_m() == 0.0
-    np.testing.assert_array_equal(stage._nodes["segments"].position, 0.0)
+    np.testing.assert_array_equal(stage._nodes["/stair/segments"].position, 0.0)
     stage.show_section(shown.points, shown.colors, None)
     assert names(server, SECTION) == set()
     assert [is_seen(stage, name) for name in clouds] == before

@@ -8,13 +8,13 @@ from stair_inspector.pictures.segmentation import lift_of
 from stair_inspector.viewer.bridge.controls import words_of_change
 from stair_inspector.viewer.compute.worker import Settle
 from stair_inspector.viewer.parts.part import Context
+from stair_inspector.viewer.scene.nodes import NO_LINES, outline_of
 from stair_inspector.viewer.state.change import PageChange
 
 PAPER_ONLY = frozenset({"edges.front_percentile", "edges.back_percentile", "edges.side_percentile"})
 """Settings that act on the paper's columns alone where the survey is made."""
 LINGER_S = 6.0
 """They stay for so long after the last move, to be looked at."""
-_NOTHING = np.zeros((0, 2, 3))
 
 
 def paper_edges_of(inspection: Inspection, spacing_m: float) -> Floats:
@@ -23,15 +23,13 @@ def paper_edges_of(inspection: Inspection, spacing_m: float) -> Floats:
     Nothing where the paper's own steps are drawn anyway, and nothing on levels that the survey takes for no step.
     """
     if inspection.params.method == "paper":
-        return _NOTHING
+        return NO_LINES
     # The lowest level is the floor to the paper, which has no edges.
     levels = sorted({patch.level_id for patch in inspection.patches if patch.step_id is not None} - {0})
     rms_m = max((step.plane.rms_m or 0.0 for step in inspection.steps), default=0.0)
     lift = lift_of(spacing_m, rms_m) * inspection.up.vector
     placed = dict(enumerate(inspection.paper_corners, 1))
-    corners = [placed[level] + lift for level in levels if level in placed]
-    sides = [np.stack([each, np.roll(each, -1, axis=0)], axis=1) for each in corners]
-    return np.concatenate(sides) if sides else _NOTHING
+    return np.concatenate([NO_LINES, *(outline_of(placed[level] + lift) for level in levels if level in placed)])
 
 
 class PaperEdges:
@@ -67,7 +65,7 @@ class PaperEdges:
     def draw(self) -> None:
         """Draw the edges of the present result, or none; the desk is held."""
         shown = self._desk.shown
-        lines = _NOTHING
+        lines = NO_LINES
         if self._is_wanted and shown is not None:
             lines = paper_edges_of(shown.inspection, shown.display.spacing_m)
         self._desk.stage.show_paper_edges(lines)

@@ -20,15 +20,15 @@ _DRAWN = "drawn by the program"
 def states(stage):
     """What can be told apart in a scene: what is seen, its colours and sizes, and the words in it."""
     nodes = stage._nodes
-    if not nodes:
+    if "/stair" not in nodes:
         return {}
     return {
-        "seen": sorted(name for name, node in nodes.items() if node.visible),
+        "seen": sorted(name for name in nodes if nodes[name].visible),
         "colors": nodes["/stair/segments/cloud"].colors.tobytes(),
         "size": nodes["/stair/raw"].point_size,
-        "place": tuple(nodes["segments"].position),
+        "place": tuple(nodes["/stair/segments"].position),
         "words": [label.text for _, label in stage._per_step if label.visible],
-        "rejected": [node.name for node in stage._rejected],
+        "rejected": [node.name for node in nodes.labels_in("/stair/segments/rejected")],
     }
 
 
@@ -116,7 +116,7 @@ def test_what_is_chosen_while_pictures_are_taken_stays_chosen(session, monkeypat
     assert desk.stage.point_size_m == pytest.approx(0.02)
     assert desk.stage._nodes["/stair/raw"].point_size == pytest.approx(0.02)
     assert desk.stage._nodes["/stair/raw"].visible
-    assert not desk.stage._nodes["segments"].visible
+    assert not desk.stage._nodes["/stair/segments"].visible
     assert "/stair/segments/selected" in desk.stage._nodes
 
 

@@ -23,8 +23,8 @@ def inspection():
 
 def lines_in(session):
     with session.desk.lock:
-        node = session.desk.stage._nodes.get(NODE)
-        return None if node is None else np.array(node.points)
+        nodes = session.desk.stage._nodes
+        return np.array(nodes[NODE].points) if NODE in nodes else None
 
 
 def slide(page, name, value):

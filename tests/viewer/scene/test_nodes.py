@@ -1,8 +1,8 @@
-"""What viser takes from the scene: its quaternions, and the light of its lines."""
+"""What viser takes from the nodes of a scene: quaternions, and the light of lines."""
 
 import numpy as np
 
-from stair_inspector.viewer.scene.stage import _linear, quaternion
+from stair_inspector.viewer.scene.nodes import _linear, quaternion
 from tests.synthetic import rotation
 from tests.viewer.surveyed import PALETTE
 
