@@ -2,9 +2,10 @@
 
 import pytest
 
-from stair_inspector.viewer.compute import worker
+from stair_inspector.viewer.compute import workshop
+from stair_inspector.viewer.compute.heavy_process import HeavyProcess
 
-_OWN = worker.HeavyProcess
+_OWN = HeavyProcess
 
 
 class _Lent:
@@ -32,5 +33,5 @@ def heavy_process():
 def servers_share_a_process(request):
     """Lend the run's process to every server of a module; it starts with the first of them."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "HeavyProcess", lambda: _Lent(request.getfixturevalue("heavy_process")))
+        patch.setattr(workshop, "HeavyProcess", lambda: _Lent(request.getfixturevalue("heavy_process")))
         yield

@@ -18,7 +18,7 @@ from stair_inspector.params import Params
 from stair_inspector.pictures.cameras import FOV_RAD
 from stair_inspector.viewer.bridge.server import close_connection, prepare_client, prepare_server
 from stair_inspector.viewer.bridge.uploads import limit_uploads
-from stair_inspector.viewer.compute.worker import Workshop
+from stair_inspector.viewer.compute.workshop import Workshop
 from stair_inspector.viewer.page import Page
 from stair_inspector.viewer.state.library import DEFAULT_UPLOAD_LIMIT_MB, Library
 from stair_inspector.viewer.state.work import KeptWishes, Work

@@ -32,7 +32,7 @@ from stair_inspector.viewer.bridge.shortcuts import Command, HelpCard, add_comma
 from stair_inspector.viewer.bridge.widgets import Widgets
 from stair_inspector.viewer.compute.jobs import Making
 from stair_inspector.viewer.compute.runs import CANCELLED, Listener, Prepared, Progress, Request, Runs
-from stair_inspector.viewer.compute.worker import Workshop
+from stair_inspector.viewer.compute.workshop import Workshop
 from stair_inspector.viewer.parts.checks.part import ChecksPart
 from stair_inspector.viewer.parts.desk import Desk, Shown
 from stair_inspector.viewer.parts.drawing import SceneDrawing

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.viewer.compute.worker import Cancelled
+from stair_inspector.viewer.compute.heavy_process import LOOK_S, Cancelled
 
 T = TypeVar("T")
 
@@ -16,7 +16,6 @@ Tell = Callable[[str, float], None]
 
 _PATIENCE_S = 0.5
 """What takes no longer changes nothing on the page; what takes longer says so and can be cancelled."""
-_LOOK_S = 0.05
 _BEGUN_PERCENT = 10.0
 
 
@@ -82,7 +81,7 @@ class Making:
         worker.start()
         says_at = time.monotonic() + _PATIENCE_S
         while worker.is_alive() and not job.is_given_up():
-            worker.join(_LOOK_S)
+            worker.join(LOOK_S)
             if worker.is_alive() and time.monotonic() > says_at:
                 says_at = math.inf
                 job.show(f"making {words} …", _BEGUN_PERCENT)

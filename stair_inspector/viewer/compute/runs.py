@@ -13,7 +13,9 @@ from stair_inspector.model import HeightOrder, Inspection, Scan
 from stair_inspector.params import Params, ScanUnit
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.notices import Notices
-from stair_inspector.viewer.compute.worker import Cancelled, Newest, Workshop
+from stair_inspector.viewer.compute.heavy_process import Cancelled
+from stair_inspector.viewer.compute.threads import Newest
+from stair_inspector.viewer.compute.workshop import Workshop
 
 T = TypeVar("T")
 

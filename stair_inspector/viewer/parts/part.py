@@ -14,7 +14,7 @@ from stair_inspector.viewer.bridge.shortcuts import Command, HelpCard
 from stair_inspector.viewer.bridge.widgets import Widgets
 from stair_inspector.viewer.compute.jobs import Making
 from stair_inspector.viewer.compute.runs import Runs
-from stair_inspector.viewer.compute.worker import Workshop
+from stair_inspector.viewer.compute.workshop import Workshop
 from stair_inspector.viewer.parts.desk import Desk
 from stair_inspector.viewer.parts.judge import Judge
 from stair_inspector.viewer.parts.scene_look import SceneLook

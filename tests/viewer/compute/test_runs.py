@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 
 from stair_inspector.errors import ReadError
+from stair_inspector.viewer.compute.heavy_process import Cancelled
 from stair_inspector.viewer.compute.runs import CANCELLED, Listener, Request, Runs
-from stair_inspector.viewer.compute.worker import Cancelled
 from tests.synthetic import Stair, exact_params
 
 LONG_S = 20.0

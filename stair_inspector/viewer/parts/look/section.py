@@ -6,7 +6,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.cameras import ORTHO_FOV_RAD, frame_from
 from stair_inspector.pictures.display import Display
 from stair_inspector.pictures.frames import section_frame
-from stair_inspector.viewer.compute.worker import Newest
+from stair_inspector.viewer.compute.threads import Newest
 from stair_inspector.viewer.parts.look.section_card import MOST_DOTS, SectionCard
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.scene.section_svg import profile_svg

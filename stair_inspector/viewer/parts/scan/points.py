@@ -1,7 +1,7 @@
 """How the scan's points are drawn: coloured by what, shaded, how large and how many."""
 
 from stair_inspector.pictures.coloring import COLOR_MODES
-from stair_inspector.viewer.compute.worker import Newest
+from stair_inspector.viewer.compute.threads import Newest
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.state.change import PageChange
 

@@ -2,7 +2,8 @@
 
 from stair_inspector.memo import Memo
 from stair_inspector.stability import mark_unsettled
-from stair_inspector.viewer.compute.worker import Cancelled, Newest, Settle
+from stair_inspector.viewer.compute.heavy_process import Cancelled
+from stair_inspector.viewer.compute.threads import Newest, Settle
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.state.change import PageChange
 

@@ -6,7 +6,7 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection
 from stair_inspector.pictures.segmentation import lift_of
 from stair_inspector.viewer.bridge.controls import words_of_change
-from stair_inspector.viewer.compute.worker import Settle
+from stair_inspector.viewer.compute.threads import Settle
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.scene.nodes import NO_LINES, outline_of
 from stair_inspector.viewer.state.change import PageChange

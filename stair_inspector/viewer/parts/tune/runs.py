@@ -17,8 +17,9 @@ from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.widgets import Widgets, offer
+from stair_inspector.viewer.compute.heavy_process import Cancelled
 from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES, Sweep, sweep
-from stair_inspector.viewer.compute.worker import Cancelled, Newest
+from stair_inspector.viewer.compute.threads import Newest
 from stair_inspector.viewer.parts.desk import Shown
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.parts.tune.comparison import compare, comparison_html

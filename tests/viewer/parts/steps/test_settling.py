@@ -8,7 +8,7 @@ import pytest
 from stair_inspector.model import Note
 from stair_inspector.params import Params
 from stair_inspector.stability import CODE
-from stair_inspector.viewer.compute.worker import Cancelled
+from stair_inspector.viewer.compute.heavy_process import Cancelled
 from stair_inspector.viewer.parts import html
 from stair_inspector.viewer.parts.steps import settling
 from tests.viewer.parts.tune.test_paper_edges import slide

@@ -10,7 +10,7 @@ import pytest
 
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.viewer.compute.worker import Cancelled
+from stair_inspector.viewer.compute.heavy_process import Cancelled
 from stair_inspector.viewer.parts.desk import Shown
 from stair_inspector.viewer.parts.tune.runs import AS_SHOWN, NO_RUN, RunComparison
 from tests.synthetic import Stair, exact_params

@@ -15,8 +15,9 @@ from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import read_scan
 from stair_inspector.params import NormalsParams
 from stair_inspector.stages.orient import find_normals
-from stair_inspector.viewer.compute import worker
-from stair_inspector.viewer.compute.worker import HeavyProcess, Newest, Workshop
+from stair_inspector.viewer.compute.heavy_process import Cancelled, HeavyProcess
+from stair_inspector.viewer.compute.threads import Newest, Settle
+from stair_inspector.viewer.compute.workshop import _SCANS_KEPT, Workshop
 from tests.synthetic import Stair, make_scan
 
 LONG_S = 30.0
@@ -225,7 +226,7 @@ class CountingProcess:
         while not self.gate.wait(0.01):
             if not is_wanted():
                 self.stopped.set()
-                raise worker.Cancelled
+                raise Cancelled
         if self.failures:
             raise self.failures.pop()
         return SimpleNamespace(made_for=inputs)
@@ -237,7 +238,7 @@ class CountingProcess:
 @pytest.fixture
 def process(monkeypatch):
     process = CountingProcess()
-    monkeypatch.setattr(worker, "HeavyProcess", lambda: process)
+    monkeypatch.setattr("stair_inspector.viewer.compute.workshop.HeavyProcess", lambda: process)
     return process
 
 
@@ -283,7 +284,7 @@ def test_who_no_longer_wants_a_result_leaves_and_the_other_still_gets_it(process
     def ask_and_leave():
         try:
             workshop.read(path, "auto", lambda: not leaving.is_set())
-        except worker.Cancelled:
+        except Cancelled:
             left.append(True)
 
     threads = [
@@ -307,7 +308,7 @@ def test_what_nobody_wants_any_longer_is_stopped_and_made_anew_when_asked_for_ag
     process.gate.clear()
     leaving = threading.Event()
     threading.Timer(0.1, leaving.set).start()
-    with pytest.raises(worker.Cancelled):
+    with pytest.raises(Cancelled):
         workshop.read(path, "auto", lambda: not leaving.is_set())
     assert process.stopped.wait(LONG_S)
     process.gate.set()
@@ -351,7 +352,7 @@ def test_a_missing_file_is_asked_of_the_reader(process, tmp_path):
 
 def test_the_least_recent_scans_are_let_go(process, tmp_path):
     workshop = Workshop()
-    paths = [tmp_path / f"{n}.ply" for n in range(worker._SCANS_KEPT + 1)]
+    paths = [tmp_path / f"{n}.ply" for n in range(_SCANS_KEPT + 1)]
     kept = workshop.read(paths[0], "auto")
     for path in paths[1:]:
         workshop.read(path, "auto")
@@ -378,7 +379,7 @@ def test_a_scan_whose_file_has_gone_can_still_be_measured(tmp_path):
 def test_a_call_that_is_no_longer_wanted_ends_at_once_and_the_next_one_works(heavy):
     began = time.monotonic()
     stop_at = began + 0.3
-    with pytest.raises(worker.Cancelled):
+    with pytest.raises(Cancelled):
         heavy.run(time.sleep, LONG_S, is_wanted=lambda: time.monotonic() < stop_at)
     assert time.monotonic() - began < LONG_S / 2
     assert heavy.run(len, [1, 2]) == 2
@@ -386,7 +387,7 @@ def test_a_call_that_is_no_longer_wanted_ends_at_once_and_the_next_one_works(hea
 
 def test_a_function_is_called_once_things_have_been_quiet():
     calls = []
-    settle = worker.Settle(lambda: calls.append(time.monotonic()), 0.15, "test")
+    settle = Settle(lambda: calls.append(time.monotonic()), 0.15, "test")
     for _ in range(5):
         settle.touch()
         time.sleep(0.03)
