@@ -21,7 +21,8 @@ from stair_inspector.viewer.bridge.uploads import limit_uploads
 from stair_inspector.viewer.compute.workshop import Workshop
 from stair_inspector.viewer.page import Page
 from stair_inspector.viewer.state.library import DEFAULT_UPLOAD_LIMIT_MB, Library
-from stair_inspector.viewer.state.work import KeptWishes, Work
+from stair_inspector.viewer.state.wishes import KeptWishes
+from stair_inspector.viewer.state.work import Work
 
 
 class App:

@@ -49,9 +49,11 @@ from stair_inspector.viewer.parts.tune.part import TunePart
 from stair_inspector.viewer.scene.stage import Stage
 from stair_inspector.viewer.state.change import PageChange
 from stair_inspector.viewer.state.editor import Editor
+from stair_inspector.viewer.state.keeper import Keeper
 from stair_inspector.viewer.state.library import Library
 from stair_inspector.viewer.state.opening import Opening
-from stair_inspector.viewer.state.work import Keeper, KeptWishes, Work
+from stair_inspector.viewer.state.wishes import KeptWishes
+from stair_inspector.viewer.state.work import Work
 
 PARTS: tuple[type[PagePart], ...] = (
     SceneDrawing,

@@ -7,19 +7,16 @@ import signal
 import threading
 from collections.abc import Callable
 from multiprocessing.connection import Connection
-from typing import cast
+from typing import TypeVar, cast
 
 import numpy as np
 
 from stair_inspector.errors import CannotMeasure, StairError
 from stair_inspector.geometry.open3d import load_open3d
-from stair_inspector.viewer.compute.workshop import T
 
+T = TypeVar("T")
 _Order = tuple[Callable[..., object], tuple[object, ...]]
-
-
 _Answer = tuple[str, object]
-
 
 LOOK_S = 0.05
 """How often a waiting inspector is asked whether the result is still wanted."""

@@ -20,9 +20,9 @@ from stair_inspector.viewer.parts.judge import Judge
 from stair_inspector.viewer.parts.scene_look import SceneLook
 from stair_inspector.viewer.state.change import PageChange
 from stair_inspector.viewer.state.editor import Editor
+from stair_inspector.viewer.state.keeper import Keeper
 from stair_inspector.viewer.state.library import Library
 from stair_inspector.viewer.state.opening import Opening
-from stair_inspector.viewer.state.work import Keeper
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,8 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.params import Params
 from stair_inspector.viewer.bridge.controls import SettingControls, words_of_change
 from stair_inspector.viewer.state.change import PageChange
-from stair_inspector.viewer.state.work import Changes, Keeper, Work
+from stair_inspector.viewer.state.keeper import Keeper
+from stair_inspector.viewer.state.work import Changes, Work
 
 
 class Editor:

@@ -10,8 +10,10 @@ from stair_inspector.overrules import OverrulesParams
 from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.bridge.widgets import File
+from stair_inspector.viewer.state.keeper import Keeper
 from stair_inspector.viewer.state.library import Library
-from stair_inspector.viewer.state.work import Keeper, KeptWishes, OpenPage, Wish, Work, work_beside, work_of
+from stair_inspector.viewer.state.wishes import KeptWishes, OpenPage, Wish
+from stair_inspector.viewer.state.work import Work, work_beside, work_of
 
 _BROWSER_KEY = "stair_inspector.browser"
 _SCAN_KEY = "stair_inspector.scan"

@@ -10,9 +10,11 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.project_files import read_project
 from stair_inspector.files.projects import KeptRun, Measurement, SavedView
 from stair_inspector.params import Params
-from stair_inspector.viewer.state import work
+from stair_inspector.viewer.state import keeper as keeper_module
+from stair_inspector.viewer.state.keeper import Keeper
 from stair_inspector.viewer.state.library import Library
-from stair_inspector.viewer.state.work import Keeper, KeptWishes, OpenPage, Wish, Work, work_of
+from stair_inspector.viewer.state.wishes import KeptWishes, OpenPage, Wish
+from stair_inspector.viewer.state.work import Work, work_of
 
 SHA = "0" * 63 + "1"
 OTHER = Params().replaced("levels.eps_m", 0.03)
@@ -149,9 +151,9 @@ def test_a_change_that_is_made_while_the_project_is_saved_is_saved_by_the_next(k
         keeper.change("title", title="meanwhile")
         return save(path, project)
 
-    monkeypatch.setattr(work, "save_project", save_slowly)
+    monkeypatch.setattr(keeper_module, "save_project", save_slowly)
     keeper.save()
-    monkeypatch.setattr(work, "save_project", save)
+    monkeypatch.setattr(keeper_module, "save_project", save)
     assert read_project(tmp_path / "a.stair.json").title == "before"
     keeper.save()
     assert read_project(tmp_path / "a.stair.json").title == "meanwhile"
