@@ -10,14 +10,7 @@ from stair_inspector.codes import Check
 from stair_inspector.content.check_records import check_record
 from stair_inspector.files.settings import params_to_dict
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import (
-    Flight,
-    Inspection,
-    Measured,
-    Patch,
-    Statistics,
-    Step,
-)
+from stair_inspector.model import Flight, Inspection, Measured, Patch, Statistics, Step
 from stair_inspector.overrules import parse_force, parse_region, parse_up
 from stair_inspector.params import Params
 from stair_inspector.quantities import COMPARED, IN_FILES, ON_LINES, PAPER_QUANTITIES, PITCH, WIDTH, with_above

@@ -4,16 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stair_inspector.drawings.model import (
-    NOT_MEASURED,
-    Arrow,
-    Circle,
-    Dimension,
-    Drawing,
-    Part,
-    Path,
-    Words,
-)
+from stair_inspector.drawings.model import NOT_MEASURED, Arrow, Circle, Dimension, Drawing, Part, Path, Words
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Flight, Inspection, Step
 from stair_inspector.pictures.nosing_line import is_joined, line_over_nosings, nosing_line

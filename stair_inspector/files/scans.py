@@ -14,13 +14,7 @@ import numpy as np
 
 from stair_inspector.declarations import check_value
 from stair_inspector.errors import ReadError
-from stair_inspector.files.cleaning import (
-    check_range,
-    count_repeats,
-    first_occurrences,
-    to_local_metres,
-    unit_normals,
-)
+from stair_inspector.files.cleaning import check_range, count_repeats, first_occurrences, to_local_metres, unit_normals
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, ScanFormat, excerpt
 from stair_inspector.files.text_scan import is_text, read_text
 from stair_inspector.geometry.arrays import Colors, Floats, Ints

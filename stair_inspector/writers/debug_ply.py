@@ -5,11 +5,7 @@ import numpy as np
 from stair_inspector.files.palettes import Palette, Rgb, read_palette
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import (
-    Inspection,
-    Scan,
-    Step,
-)
+from stair_inspector.model import Inspection, Scan, Step
 from stair_inspector.quantities import GOING, RISE
 
 _EDGE_SPACING_M = 0.002

@@ -4,10 +4,7 @@ from pathlib import Path
 
 from stair_inspector.codes import Check
 from stair_inspector.files.atomic import write_all_atomically
-from stair_inspector.model import (
-    Inspection,
-    Scan,
-)
+from stair_inspector.model import Inspection, Scan
 from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.debug_ply import debug_ply_bytes
 from stair_inspector.writers.json import json_bytes

@@ -4,9 +4,7 @@ import json
 
 from stair_inspector.codes import Check
 from stair_inspector.content.records import inspection_to_dict
-from stair_inspector.model import (
-    Inspection,
-)
+from stair_inspector.model import Inspection
 
 
 def json_bytes(inspection: Inspection, check: Check | None = None) -> bytes:

@@ -12,7 +12,8 @@ from stair_inspector.files.scans import read_scan
 from stair_inspector.model import Note
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.viewer.parts import html
+from stair_inspector.viewer.parts.details_html import notes_html
+from stair_inspector.viewer.parts.status_html import state_html
 from tests.viewer.surveyed import surveyed
 
 SAMPLES = Path(stair_inspector.__file__).parent.parent / "sample_scans"
@@ -50,7 +51,7 @@ def test_what_says_only_how_a_value_came_about_is_not(code):
 
 
 def status(inspection, busy=None):
-    return html.state_html(inspection, busy=busy, error=None, is_stale=False)
+    return state_html(inspection, busy=busy, error=None, is_stale=False)
 
 
 def test_the_status_tells_that_notes_need_a_look():
@@ -60,7 +61,7 @@ def test_the_status_tells_that_notes_need_a_look():
     assert "▲" not in status(quiet)
     loud = dataclasses.replace(quiet, notes=(*quiet.notes, Note("region_cuts", "verdict", "c", 1)))
     assert "▲ 1 note to look at" in status(loud)
-    assert html.notes_html(loud).count("▲") == 1
+    assert notes_html(loud).count("▲") == 1
     assert "note" not in status(dataclasses.replace(quiet, notes=())).partition("<button")[2]
     # While something is computed the notes are those of an earlier result.
     assert "▲" not in status(loud, busy="measuring")

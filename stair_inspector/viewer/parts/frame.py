@@ -10,11 +10,11 @@ from stair_inspector.viewer.bridge.markup import title_html
 from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_html
 from stair_inspector.viewer.bridge.shortcuts import keys_html
 from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR
-from stair_inspector.viewer.parts import html
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import headline_html
 from stair_inspector.viewer.parts.part import Context, PagePart
-from stair_inspector.viewer.scene.legends import colour_legend_html
+from stair_inspector.viewer.parts.status_html import header_html, state_html
+from stair_inspector.viewer.scene.legends import colour_legend_html, legend_html
 from stair_inspector.viewer.scene.stage import MODES
 from stair_inspector.viewer.state.change import PageChange
 
@@ -95,9 +95,9 @@ class Frame(PagePart):
         if self._title.content != title:
             self._title.content = title
         if shown is None:
-            self.header.content = html.header_html(label, None, None)
+            self.header.content = header_html(label, None, None)
         else:
-            self.header.content = html.header_html(shown.label, len(shown.scan.points), len(shown.display.points))
+            self.header.content = header_html(shown.label, len(shown.scan.points), len(shown.display.points))
 
     def _show_state(self) -> None:
         desk, status = self._desk, self._desk.status
@@ -105,7 +105,7 @@ class Frame(PagePart):
         busy = going_on.words if going_on is not None else status.waiting
         error = status.error if busy is None else None
         self._run.visible = error is not None and self._context.editor.refusal is None
-        self.state.content = html.state_html(
+        self.state.content = state_html(
             desk.marked,
             busy=busy,
             error=error,
@@ -119,7 +119,7 @@ class Frame(PagePart):
         desk, look = self._desk, self._context.look
         with_steps = look.color_mode == "Step"
         tones = {mark.tone for mark in desk.marks.values()}
-        content = html.legend_html(desk.palette, with_steps=with_steps, tones=tones, with_paper=desk.with_paper)
+        content = legend_html(desk.palette, with_steps=with_steps, tones=tones, with_paper=desk.with_paper)
         if not with_steps and look.legend is not None:
             content = colour_legend_html(look.legend) + content
         content = overlay_html(content)

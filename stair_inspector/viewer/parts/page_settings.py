@@ -4,7 +4,7 @@ import viser
 
 from stair_inspector.units import UNITS
 from stair_inspector.viewer.bridge.shortcuts import Command
-from stair_inspector.viewer.parts import html
+from stair_inspector.viewer.parts.details_html import details_html, notes_html
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.state.change import PageChange
 
@@ -41,8 +41,8 @@ class PageSettings(PagePart):
         """Show the notes and details of the result, and how the page is shown."""
         desk = self._desk
         if what & {PageChange.RESULT, PageChange.SETTLED}:
-            self.notes.content = html.notes_html(desk.marked)
-            self.details.content = html.details_html(desk.marked)
+            self.notes.content = notes_html(desk.marked)
+            self.details.content = details_html(desk.marked)
         self._unit.show(desk.unit)
         self._dark.value = desk.is_dark
 

@@ -1,19 +1,13 @@
 """The survey's part of the side table, the card of the chosen step and the list of rejected surfaces, as HTML."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
-from stair_inspector.content.remarks import on_page
-from stair_inspector.files.palettes import Palette, Rgb
-from stair_inspector.model import NO_NOSING, Flight, Inspection, Measured, Note, Statistics, Step
-from stair_inspector.pictures.coloring import rejected_of
-from stair_inspector.pictures.frames import step_of
-from stair_inspector.pictures.segmentation import MOST_REJECTED, SURFACE
-from stair_inspector.quantities import COMPARED, IN_TABLE, ON_CARD, ON_LINES, with_above
-from stair_inspector.quantity_types import LINES, Quantity, RestsOn
+from stair_inspector.files.palettes import Palette
+from stair_inspector.model import Flight, Inspection, Measured, Statistics, Step
+from stair_inspector.quantities import COMPARED, IN_TABLE, with_above
 from stair_inspector.stability import words_about
 from stair_inspector.units import (
-    NOT_KNOWN,
     ShownUnit,
     Unit,
     difference_text,
@@ -35,15 +29,10 @@ from stair_inspector.viewer.bridge.markup import (
     pick_script,
     press_attribute,
     row_start,
-    table_head,
     text,
 )
+from stair_inspector.viewer.parts.missing import notes_on_missing, why_missing
 from stair_inspector.viewer.scene.step_marks import StepMark, mark_html
-
-NOT_OBSERVED = "not defined for this step, or not observed"
-WITHHELD = "withheld until the question about the scan is answered"
-LAST_OF_FLIGHT = "the last step of its flight has none"
-_TREAD_MISSING = "tread_missing"
 
 COLUMNS = (
     ("#", "", "Step, from bottom to top"),
@@ -53,13 +42,7 @@ COLUMNS = (
 )
 _WORST = "#e8590c"
 """Underlines the two neighbours in a flight that differ most."""
-_CELL = "text-align:right;padding:2px 3px;white-space:nowrap"
-_REJECTED_COLUMNS = (
-    ("surface", "", "Number of the surface, and its colour in the scene"),
-    ("height", "m", "Mean height in the scan's frame"),
-    ("area", "m²", "Area in plan"),
-    ("reason", "", "Why it is no step"),
-)
+CELL = "text-align:right;padding:2px 3px;white-space:nowrap"
 
 
 def columns_in(unit: Unit) -> tuple[tuple[str, str, str], ...]:
@@ -103,69 +86,6 @@ def survey_rows(
                 for step in steps
             ]
     return "".join(rows)
-
-
-def card_html(inspection: Inspection | None, selected: int | None, palette: Palette, unit: Unit = "mm") -> str:
-    """Return everything the survey knows of the chosen step; empty for none, and where no survey has been made."""
-    step = step_of(inspection, selected)
-    if inspection is None or step is None or not inspection.flights:
-        return '<div data-testid="card"></div>'
-    notes = notes_of(inspection, step.step_id)
-    flight = f" · flight {step.flight}" if step.flight is not None else ""
-    told = "".join(f"<li>{text(on_page(note.message))}</li>" for note in notes)
-    told = f'<ul style="margin:4px 0 0;padding-left:16px">{told}</ul>' if told else ""
-    return (
-        '<div data-testid="card" class="si-results" style="font-size:12px;line-height:1.35;margin:2px 9px 6px;'
-        f'padding:6px 9px;border:1px solid {LINE};border-radius:5px;font-variant-numeric:tabular-nums">'
-        f"<b>{chip(palette.of_step(step.step_id))} Step {step.step_id}</b>"
-        f'<span style="color:{DIM}"> · {text(step.kind)}{flight}</span>'
-        f"{_lines_table(inspection, step, unit)}{_facts(inspection, step, unit)}{told}</div>"
-    )
-
-
-def rejected_html(
-    inspection: Inspection | None, color: Rgb, selected: int | None, pick_uuid: str | None, *, is_shown: bool
-) -> str:
-    """Return the list of rejected surfaces with the reason of each, the largest first.
-
-    Parameters
-    ----------
-    inspection : Inspection, optional
-        None is an empty list.
-    color : Rgb
-        Of rejected surfaces in the scene.
-    selected : int, optional
-        Surface whose row is emphasised.
-    pick_uuid : str, optional
-        Identity of the control that a click on a row writes to.
-    is_shown : bool
-        False for an empty list.
-    """
-    if inspection is None or not is_shown:
-        return '<div data-testid="rejected"></div>'
-    patches = rejected_of(inspection)
-    rows = "".join(
-        f"{row_start(pick_uuid, patch.patch_id, SURFACE, is_selected=patch.patch_id == selected)}"
-        f'<td style="{_CELL}">{chip(color)} {patch.patch_id}</td><td style="{_CELL}">{patch.height_m:.3f}</td>'
-        f'<td style="{_CELL}">{patch.area_m2:.2f}</td>'
-        f'<td style="padding:2px 4px 2px 8px;font-weight:400">{text(patch.reason or "no reason given")}</td></tr>'
-        for patch in patches[:MOST_REJECTED]
-    )
-    n_more = len(patches) - MOST_REJECTED
-    more = f'<div style="color:{DIM};padding:2px 5px">and {n_more} smaller ones</div>' if n_more > 0 else ""
-    words = "No surface was rejected." if inspection.patches else "This result has no surfaces to reject."
-    none = "" if patches else f'<div style="color:{DIM};padding:2px 9px">{words}</div>'
-    head = table_head(_REJECTED_COLUMNS, ("reason",)) if patches else ""
-    return (
-        '<div data-testid="rejected" class="si-results" style="font-size:11.5px;line-height:1.3;padding:0 12px 6px 0">'
-        '<table data-testid="rejected-table" style="border-collapse:collapse;width:100%;'
-        f'font-variant-numeric:tabular-nums">{head}<tbody>{rows}</tbody></table>{none}{more}</div>'
-    )
-
-
-def notes_of(inspection: Inspection, step_id: int) -> list[Note]:
-    """Return what there is to say about a step."""
-    return [note for note in inspection.notes if note.step == step_id]
 
 
 def flight_text(flight: Flight) -> str:
@@ -265,16 +185,14 @@ def _step_row(
         _cell(
             quantity.of(step, above),
             shown_in(quantity.unit, unit),
-            _why(inspection, step, quantity),
+            why_missing(inspection, step, quantity),
             words_about(inspection, step.step_id, quantity),
             (quantity.name, worst_words(quantity.name)),
         )
         for quantity in IN_TABLE
     ]
-    cells += [
-        f'<td style="{_CELL}">{mm(step.plane.rms_m, 2)}</td>',
-        f'<td style="{_CELL}">{_coverage(step.coverage, _why_missing(inspection, step, "tread", ("coverage",)))}</td>',
-    ]
+    covered = _coverage(step.coverage, notes_on_missing(inspection, step, "tread", ("coverage",)))
+    cells += [f'<td style="{CELL}">{each}</td>' for each in (mm(step.plane.rms_m, 2), covered)]
     name = f' <div style="font-size:10px;color:{DIM}">landing</div>' if step.kind == "landing" else ""
     return (
         f"{row_start(pick_uuid, step.step_id, '', is_selected=is_selected)}"
@@ -297,7 +215,7 @@ def _cell(
     place = "display:block" if unit == "in" else "display:inline-block;min-width:2.2em;text-align:left"
     small = f' <span style="{place};font-size:10px;color:{DIM};font-weight:400">'
     if measured is None:
-        return f'<td title="{text(why)}" style="{_CELL}">–{small}</span></td>'
+        return f'<td title="{text(why)}" style="{CELL}">–{small}</span></td>'
     hint = f"{measured_text(measured, unit)} (k = 2): {parts_text(measured, unit)}"
     value, u = value_and_u(measured, unit)
     u = f"±{u}"
@@ -314,35 +232,7 @@ def _cell(
         # Something is in doubt that u does not hold.
         style = f"border-bottom:2px dotted {_WORST}"
         value = f'<span data-testid="unsettled" title="{text(moves)}" style="{style}">{value}</span>'
-    return f'<td title="{text(hint)}" style="{_CELL}">{value}{small}{u}</span></td>'
-
-
-def _why(inspection: Inspection, step: Step, quantity: Quantity) -> str:
-    """Return why a quantity of a step is missing."""
-    return _why_missing(inspection, step, quantity.rests_on, quantity.note_words)
-
-
-def _why_missing(inspection: Inspection, step: Step, rests_on: RestsOn, words: Sequence[str]) -> str:
-    """Return the notes that speak of a value with one of these words, and never one about another quantity."""
-    if inspection.is_withheld:
-        return WITHHELD
-    from_here_up = rests_on in ("to_next", "both")
-    from_below = rests_on in ("from_below", "both")
-    about = []
-    for note in inspection.notes:
-        if note.code == _TREAD_MISSING:
-            # It is told of the step above the gap, whose rise it takes, with the going of the step below.
-            concerns = (from_here_up and note.step == step.step_id + 1) or (from_below and note.step == step.step_id)
-        elif note.code in NO_NOSING:
-            # An edge that is none takes its step's values, the going up to it and the rise over it.
-            low, high = step.step_id - from_below, step.step_id + from_here_up
-            concerns = note.step is not None and low <= note.step <= high
-        else:
-            concerns = note.step == step.step_id and any(word in note.code or word in note.message for word in words)
-        about += [note.message] if concerns else []
-    if not about and from_here_up and any(flight.step_ids[-1:] == (step.step_id,) for flight in inspection.flights):
-        return LAST_OF_FLIGHT
-    return "; ".join(about) or NOT_OBSERVED
+    return f'<td title="{text(hint)}" style="{CELL}">{value}{small}{u}</span></td>'
 
 
 def _coverage(share: float | None, why: str) -> str:
@@ -364,65 +254,3 @@ def _coverage(share: float | None, why: str) -> str:
         f'aria-label="{words}" style="vertical-align:-2px"><title>{words}</title>'
         f'<circle cx="7" cy="7" r="6" fill="none" stroke="currentColor" opacity="0.6"/>{filled}</svg>'
     )
-
-
-def _lines_table(inspection: Inspection, step: Step, unit: Unit) -> str:
-    """Return rise and going on the three measuring lines, the centre with its uncertainty."""
-    head = "".join(
-        f'<th style="text-align:right;font-weight:400;color:{DIM};padding:2px 0 0 10px">{name}</th>' for name in LINES
-    )
-    rows = []
-    for quantity in ON_LINES:
-        name, shown = quantity.label, shown_in(quantity.unit, unit)
-        why = _why(inspection, step, quantity)
-        left, _, right = quantity.lines_of(step)
-        centre, hint = _fact(quantity.of(step), shown, why)
-        cells = "".join(
-            f'<td style="text-align:right;padding-left:10px" title="{text(title)}">{value}</td>'
-            for value, title in (
-                (number_text(left, shown), why if left is None else shown),
-                (centre, hint),
-                (number_text(right, shown), why if right is None else shown),
-            )
-        )
-        rows.append(f'<tr data-testid="card-{name}"><td style="color:{DIM}">{name}</td>{cells}</tr>')
-    return (
-        f'<table style="border-collapse:collapse;width:100%"><thead><tr><th></th>{head}</tr></thead>'
-        f"<tbody>{''.join(rows)}</tbody></table>"
-    )
-
-
-def _facts(inspection: Inspection, step: Step, unit: Unit) -> str:
-    """Return the other values as pairs of name and value, two to a line."""
-    coverage = "–" if step.coverage is None else f"{100.0 * step.coverage:.0f} %"
-    rms = "–" if step.plane.rms_m is None else f"{mm(step.plane.rms_m, 2)} mm"
-    above = next((other for below, other in with_above(inspection.steps) if below is step), None)
-    facts = [
-        *(
-            (
-                each.label,
-                *_fact(each.of(step, above), shown_in(each.unit, unit), _why(inspection, step, each)),
-            )
-            for each in ON_CARD
-            if each.on_lines is None
-        ),
-        ("coverage", coverage, "Share of the tread that has points"),
-        ("points", f"{step.plane.n_points:,}", "Points of the tread"),
-        ("RMS", rms, "Of the points' distances from their plane; it is not the accuracy"),
-    ]
-    pairs = "".join(
-        f'<span style="color:{DIM}">{name}</span>'
-        f'<span title="{text(hint)}" style="text-align:right;white-space:nowrap">{value}</span>'
-        for name, value, hint in facts
-    )
-    return (
-        '<div data-testid="card-facts" style="display:grid;grid-template-columns:auto 1fr auto 1fr;gap:1px 8px;'
-        f'border-top:1px solid {LINE};margin-top:4px;padding-top:4px">{pairs}</div>'
-    )
-
-
-def _fact(measured: Measured | None, unit: ShownUnit, why: str) -> tuple[str, str]:
-    """Return a value with its uncertainty, and what that is made of or why there is none."""
-    if measured is None:
-        return NOT_KNOWN, why
-    return measured_text(measured, unit), parts_text(measured, unit)

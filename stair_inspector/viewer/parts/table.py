@@ -3,9 +3,9 @@
 from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.segmentation import SURFACE
 from stair_inspector.viewer.bridge.markup import FLIGHT
-from stair_inspector.viewer.parts import html
 from stair_inspector.viewer.parts.desk import Desk
 from stair_inspector.viewer.parts.part import Context
+from stair_inspector.viewer.parts.step_table_html import COLUMNS, columns_of, table_html
 from stair_inspector.viewer.state.change import PageChange
 
 NO_STEP = "none"
@@ -39,7 +39,7 @@ class StepTable:
     def __init__(self, context: Context, prefix: str = "") -> None:
         self._desk = context.desk
         self._prefix = prefix
-        names = tuple(columns.capitalize() for columns in html.COLUMNS)
+        names = tuple(columns.capitalize() for columns in COLUMNS)
         self.columns = context.widgets.choice(
             "Table",
             names,
@@ -53,9 +53,9 @@ class StepTable:
 
     def set_columns(self, option: str) -> None:
         """Show the survey's or the paper's columns."""
-        columns = next((columns for columns in html.COLUMNS if columns == str(option).lower()), None)
+        columns = next((columns for columns in COLUMNS if columns == str(option).lower()), None)
         if columns is None:
-            raise ConfigError(f"table: got {str(option)[:40]!r}; give one of {', '.join(html.COLUMNS)}")
+            raise ConfigError(f"table: got {str(option)[:40]!r}; give one of {', '.join(COLUMNS)}")
         with self._desk.lock:
             self._desk.columns = columns
             self._desk.changed(PageChange.TABLE)
@@ -64,8 +64,8 @@ class StepTable:
         """Show the rows, and the choice of columns where there is one."""
         desk = self._desk
         inspection = desk.marked
-        columns = html.columns_of(inspection, desk.columns)
-        content = html.table_html(
+        columns = columns_of(inspection, desk.columns)
+        content = table_html(
             inspection,
             desk.palette,
             desk.selected,

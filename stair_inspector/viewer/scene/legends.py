@@ -1,7 +1,14 @@
 """What colours mean, as data: drawn on the page as HTML and burned into pictures."""
 
-from stair_inspector.pictures.legends import Legend, Ramp
+from collections.abc import Iterable
+
+from stair_inspector.content.document import Tone
+from stair_inspector.files.palettes import Palette
+from stair_inspector.pictures.display import REJECTED_COLOR
+from stair_inspector.pictures.legends import CENTRE, Legend, Ramp, line_entries
 from stair_inspector.viewer.bridge.markup import LINE, chip, text
+from stair_inspector.viewer.scene.stage import PAPER_EDGES
+from stair_inspector.viewer.scene.step_marks import MARKED, TONE_RGB
 
 
 def colour_legend_html(legend: Legend) -> str:
@@ -28,4 +35,32 @@ def _bar_html(ramp: Ramp) -> str:
         f'<div data-testid="ramp" style="height:10px;margin-top:3px;border-radius:2px;outline:1px solid {LINE};'
         f'background:linear-gradient(to right, {stops})"></div>'
         f'<div style="position:relative;height:15px;font-variant-numeric:tabular-nums">{ticks}</div>'
+    )
+
+
+def legend_html(
+    palette: Palette, *, with_steps: bool = True, tones: Iterable[Tone] = (), with_paper: bool = False
+) -> str:
+    """Return the legend of the scene's lines and, with ``with_steps``, of its points coloured by step.
+
+    ``tones`` are those of the marks of steps that are outside a limit; ``with_paper`` tells that the paper's edges are
+    drawn beside the survey's.
+    """
+    steps = "".join(chip(color, 10) for color in palette.steps)
+    points = [
+        f"{chip(palette.floor)} floor",
+        f"{steps} steps, in turn",
+        f"{chip(palette.non_stair)} other, such as risers",
+        f"{chip(REJECTED_COLOR)} rejected surfaces",
+    ]
+    entries = [
+        *(points if with_steps else ()),
+        *(f"{chip(color, *((8,) if words == CENTRE else (16, 4)))} {words}" for color, words in line_entries(palette)),
+        *(f"{chip(TONE_RGB[tone], 16, 4)} {text(words)}" for tone, words in MARKED.items() if tone in tones),
+        *([f"{chip(PAPER_EDGES, 16, 4)} edges of the paper's columns"] if with_paper else []),
+    ]
+    items = "".join(f'<span style="white-space:nowrap">{entry}</span>' for entry in entries)
+    return (
+        f'<div data-testid="legend" style="display:flex;flex-wrap:wrap;gap:2px 12px;font-size:11px;padding:4px 9px">'
+        f"{items}</div>"
     )

@@ -10,10 +10,10 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.model import Observation
 from stair_inspector.params import Params
 from stair_inspector.viewer.bridge.markup import list_key, pick_script
-from stair_inspector.viewer.parts import html
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.desk import Desk
 from stair_inspector.viewer.parts.examination_html import CURE, examination_html, headline_html, offered_cures
+from stair_inspector.viewer.parts.step_table_html import table_html
 from tests.viewer.parts.test_html import HOSTILE, Page
 from tests.viewer.surveyed import PALETTE, surveyed
 
@@ -97,12 +97,12 @@ def test_texts_of_a_scan_are_never_markup(show, level):
 def test_a_withheld_table_and_its_note_say_what_is_missing_without_flags():
     held = of(ASKED)
     assert held.is_withheld
-    table = html.table_html(held, PALETTE, None, None, "survey")
+    table = table_html(held, PALETTE, None, None, "survey")
     assert "No value is given before the question above is answered." in Page(table).words
     titles = {
         cell.get("title")
         for cell in Page(
-            html.table_html(
+            table_html(
                 dataclasses.replace(held, steps=tuple(dataclasses.replace(step, rise_m=None) for step in held.steps)),
                 PALETTE,
                 None,

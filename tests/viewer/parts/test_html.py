@@ -11,8 +11,11 @@ from stair_inspector.files.palettes import read_palette
 from stair_inspector.model import Note
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.markup import pick_script
-from stair_inspector.viewer.parts import html
+from stair_inspector.viewer.parts.details_html import details_html, notes_html
+from stair_inspector.viewer.parts.status_html import header_html, state_html
+from stair_inspector.viewer.parts.step_table_html import table_html
 from stair_inspector.viewer.parts.tune import histogram
+from stair_inspector.viewer.scene.legends import legend_html
 from tests.synthetic import Stair, exact_params, make_scan
 
 PALETTE = read_palette("page")
@@ -58,7 +61,7 @@ def cells(row):
 
 
 def test_the_table_has_the_floor_and_a_row_for_each_step_with_its_numbers(inspection):
-    rows = Page(html.table_html(inspection, PALETTE, None, None)).rows[1:]
+    rows = Page(table_html(inspection, PALETTE, None, None)).rows[1:]
     assert cells(rows[0])[0] == "floor"
     assert float(rows[0][1]) == pytest.approx(1000.0 * inspection.floor_h_m, abs=0.05)
     assert cells(rows[0])[2:6] == [""] * 4
@@ -81,7 +84,7 @@ def test_what_is_not_known_is_a_dash_and_never_a_zero(inspection):
     assert (last.paper.h_m, last.paper.d_ff_m, last.paper.theta_deg) == (None, None, None)
     bare = dataclasses.replace(last, plane=dataclasses.replace(last.plane, rms_m=None))
     alone = dataclasses.replace(inspection, steps=(bare,), floor_h_m=None)
-    floor, row = Page(html.table_html(alone, PALETTE, None, None)).rows[1:]
+    floor, row = Page(table_html(alone, PALETTE, None, None)).rows[1:]
     assert floor[1] == "–"
     assert [row[i] for i in (1, 3, 5, 7)] == ["–"] * 4
 
@@ -89,19 +92,19 @@ def test_what_is_not_known_is_a_dash_and_never_a_zero(inspection):
 def test_a_true_zero_is_a_zero(inspection):
     step = inspection.steps[0]
     level = dataclasses.replace(step, paper=dataclasses.replace(step.paper, h_m=0.0, theta_deg=0.0))
-    row = Page(html.table_html(dataclasses.replace(inspection, steps=(level,)), PALETTE, None, None)).rows[2]
+    row = Page(table_html(dataclasses.replace(inspection, steps=(level,)), PALETTE, None, None)).rows[2]
     assert (row[1], row[5]) == ("0.0", "0.00")
 
 
 def test_only_the_chosen_row_is_emphasised(inspection):
-    rows = [row for row in Page(html.table_html(inspection, PALETTE, 3, "id")).of("tr") if "data-step" in row]
+    rows = [row for row in Page(table_html(inspection, PALETTE, 3, "id")).of("tr") if "data-step" in row]
     assert [row["aria-selected"] for row in rows] == ["false", "false", "true", "false", "false"]
     assert ["font-weight:600" in row["style"] for row in rows] == [False, False, True, False, False]
 
 
 def test_rows_can_be_clicked_only_when_there_is_something_to_write_to(inspection):
-    assert not [row for row in Page(html.table_html(inspection, PALETTE, None, None)).of("tr") if "onclick" in row]
-    rows = [row for row in Page(html.table_html(inspection, PALETTE, None, "some-id")).of("tr") if "data-step" in row]
+    assert not [row for row in Page(table_html(inspection, PALETTE, None, None)).of("tr") if "onclick" in row]
+    rows = [row for row in Page(table_html(inspection, PALETTE, None, "some-id")).of("tr") if "data-step" in row]
     for row in rows:
         assert row["onclick"] == pick_script("some-id", int(row["data-step"]))
 
@@ -113,9 +116,9 @@ def test_the_script_of_a_row_keeps_a_hostile_identity_inside_its_string():
 
 
 def test_no_result_and_no_steps_are_told_apart(inspection):
-    assert Page(html.table_html(None, PALETTE, None, None)).rows[1:] == []
+    assert Page(table_html(None, PALETTE, None, None)).rows[1:] == []
     empty = dataclasses.replace(inspection, steps=())
-    assert Page(html.table_html(empty, PALETTE, None, None)).rows[-1] == ["No steps."]
+    assert Page(table_html(empty, PALETTE, None, None)).rows[-1] == ["No steps."]
 
 
 def test_the_histogram_has_a_band_for_each_level_in_its_colour_and_place(inspection):
@@ -171,9 +174,9 @@ def test_rejected_levels_are_not_shown_as_steps():
 
 
 def test_the_state_says_up_to_date_busy_or_error(inspection):
-    ready = html.state_html(inspection, busy=None, error=None, is_stale=False)
-    busy = html.state_html(inspection, busy="estimating normals …", error=None, is_stale=True)
-    failed = html.state_html(inspection, busy=None, error="no floor was found", is_stale=True)
+    ready = state_html(inspection, busy=None, error=None, is_stale=False)
+    busy = state_html(inspection, busy="estimating normals …", error=None, is_stale=True)
+    failed = state_html(inspection, busy=None, error="no floor was found", is_stale=True)
     states = [Page(source).of("div")[1]["data-state"] for source in (ready, busy, failed)]
     assert states == ["ready", "busy", "error"]
     assert "up to date" in ready
@@ -186,11 +189,11 @@ def test_the_state_says_up_to_date_busy_or_error(inspection):
 
 
 def test_an_error_without_any_result_dims_nothing():
-    assert "opacity" not in html.state_html(None, busy=None, error="x", is_stale=True)
+    assert "opacity" not in state_html(None, busy=None, error="x", is_stale=True)
 
 
 def test_the_legend_has_a_chip_in_every_colour_of_the_palette():
-    source = html.legend_html(PALETTE)
+    source = legend_html(PALETTE)
     colors = [PALETTE.floor, *PALETTE.steps, PALETTE.non_stair, PALETTE.front_edge, PALETTE.back_edge]
     colors += [PALETTE.side_edge, PALETTE.centre]
     assert [color for color in colors if f"background:rgb{color}" not in source] == []
@@ -200,7 +203,7 @@ def test_the_details_name_the_settings_that_were_used_and_every_note(inspection)
     noted = dataclasses.replace(
         inspection, notes=(Note("a", "read", "first"), Note("b", "levels", "second")), timings_s={"levels": 0.0123}
     )
-    page = Page(html.details_html(noted) + html.notes_html(noted))
+    page = Page(details_html(noted) + notes_html(noted))
     used = ["survey", "θ_th 15°", "ε_z 20 mm", "m 50", "α 95/5 %", "sides 99 %", "normals given", "given", "unit m"]
     assert [part for part in used if part not in page.words] == []
     assert [item["title"] for item in page.of("li")] == ["a", "b"]
@@ -211,11 +214,11 @@ def test_nothing_that_comes_from_a_file_becomes_markup(inspection):
     hostile = dataclasses.replace(inspection, notes=(Note(HOSTILE, "read", HOSTILE),), timings_s={HOSTILE: 0.001})
     quiet = dataclasses.replace(inspection, notes=())
     sources = [
-        html.header_html(HOSTILE, 10, 5),
-        html.details_html(hostile),
-        html.notes_html(hostile),
-        html.state_html(quiet, busy=None, error=HOSTILE, is_stale=False),
-        html.state_html(quiet, busy=HOSTILE, error=None, is_stale=False),
+        header_html(HOSTILE, 10, 5),
+        details_html(hostile),
+        notes_html(hostile),
+        state_html(quiet, busy=None, error=HOSTILE, is_stale=False),
+        state_html(quiet, busy=HOSTILE, error=None, is_stale=False),
     ]
     for source in sources:
         page = Page(source)
@@ -225,5 +228,5 @@ def test_nothing_that_comes_from_a_file_becomes_markup(inspection):
 
 
 def test_the_header_says_how_many_points_are_drawn():
-    assert "1,234,567 points, 600,000 drawn" in html.header_html("a.ply", 1_234_567, 600_000)
-    assert "drawn" not in html.header_html("a.ply", 1000, 1000)
+    assert "1,234,567 points, 600,000 drawn" in header_html("a.ply", 1_234_567, 600_000)
+    assert "drawn" not in header_html("a.ply", 1000, 1000)

@@ -9,15 +9,14 @@ from stair_inspector.pictures.coloring import rejected_of
 from stair_inspector.pictures.display import REJECTED_COLOR
 from stair_inspector.pictures.segmentation import MOST_REJECTED
 from stair_inspector.viewer.bridge.markup import pick_script
-from stair_inspector.viewer.parts import html, survey_html
-from stair_inspector.viewer.parts.survey_html import (
-    LAST_OF_FLIGHT,
-    NOT_OBSERVED,
-    card_html,
-    flight_text,
-    range_text,
-    rejected_html,
-)
+from stair_inspector.viewer.parts import survey_html
+from stair_inspector.viewer.parts.details_html import details_html
+from stair_inspector.viewer.parts.missing import LAST_OF_FLIGHT, NOT_OBSERVED
+from stair_inspector.viewer.parts.status_html import state_html
+from stair_inspector.viewer.parts.step_table_html import columns_of, table_html
+from stair_inspector.viewer.parts.steps.card_html import card_html
+from stair_inspector.viewer.parts.steps.rejected_html import rejected_html
+from stair_inspector.viewer.parts.survey_html import flight_text, range_text
 from stair_inspector.viewer.parts.tune import histogram
 from tests.viewer.parts.test_html import HOSTILE, Page
 from tests.viewer.surveyed import PALETTE, surveyed
@@ -29,7 +28,7 @@ def inspection():
 
 
 def survey_table(inspection, selected=None, pick_uuid=None):
-    return html.table_html(inspection, PALETTE, selected, pick_uuid, "survey")
+    return table_html(inspection, PALETTE, selected, pick_uuid, "survey")
 
 
 def rows_of(source):
@@ -60,7 +59,7 @@ def test_every_row_has_value_and_uncertainty_of_its_step(inspection):
 
 @pytest.mark.parametrize("unit", ["mm", "in"])
 def test_every_row_has_the_rms_residual_of_its_step_in_millimetres(inspection, unit):
-    source = html.table_html(inspection, PALETTE, None, None, "survey", unit)
+    source = table_html(inspection, PALETTE, None, None, "survey", unit)
     column = [name for name, _, _ in survey_html.COLUMNS].index("RMS")
     assert survey_html.columns_in(unit)[column][1] == "mm"
     for step, row in zip(inspection.steps, rows_of(source), strict=True):
@@ -200,14 +199,14 @@ def test_rows_of_the_survey_are_chosen_like_those_of_the_paper(inspection):
 def test_the_columns_are_the_surveys_where_it_was_made_unless_the_papers_are_wanted(inspection):
     paper = dataclasses.replace(inspection, params=inspection.params.replaced("method", "paper"))
     without = dataclasses.replace(inspection, flights=())
-    assert [html.columns_of(result, None) for result in (inspection, paper, without, None)] == [
+    assert [columns_of(result, None) for result in (inspection, paper, without, None)] == [
         "survey",
         "paper",
         "paper",
         "paper",
     ]
-    assert html.columns_of(inspection, "paper") == "paper"
-    assert html.columns_of(paper, "survey") == "paper"
+    assert columns_of(inspection, "paper") == "paper"
+    assert columns_of(paper, "survey") == "paper"
 
 
 def test_a_survey_without_steps_says_so(inspection):
@@ -321,17 +320,17 @@ def test_the_details_say_what_was_stated_and_overruled(inspection):
         "survey.band_m": 0.006,
     }.items():
         params = params.replaced(name, value)
-    words = Page(html.details_html(dataclasses.replace(inspection, params=params))).words
+    words = Page(details_html(dataclasses.replace(inspection, params=params))).words
     used = ["cell 20 mm", "gap 150 mm", "turn 45°", "edges auto", "lines 15 %", "band 6 mm"]
     used += ["±0 mm, ±0.1°, ±0 %", "overruled level:2=rejected", "climb x", "region -9,-9,-9,9,9,9"]
     assert [part for part in used if part not in words] == []
-    plain = Page(html.details_html(inspection)).words
+    plain = Page(details_html(inspection)).words
     assert "band auto" in plain
     assert [part for part in ("stated", "overruled", "climb", "region") if part in plain] == []
 
 
 def test_the_state_counts_flights(inspection):
-    assert "5 steps in 1 flight" in html.state_html(inspection, busy=None, error=None, is_stale=False)
+    assert "5 steps in 1 flight" in state_html(inspection, busy=None, error=None, is_stale=False)
 
 
 def test_nothing_that_is_told_of_a_surface_becomes_markup(inspection):

@@ -145,7 +145,7 @@ def test_a_save_that_failed_is_tried_again(keeper, tmp_path):
 def test_a_change_that_is_made_while_the_project_is_saved_is_saved_by_the_next(keeper, tmp_path, monkeypatch):
     keeper.know_scan("a.ply", SHA)
     keeper.change("title", title="before")
-    save = work.save_project
+    save = keeper_module.save_project
 
     def save_slowly(path, project):
         keeper.change("title", title="meanwhile")

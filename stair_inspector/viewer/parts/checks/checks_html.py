@@ -3,19 +3,15 @@
 A verdict is written in words with a sign; colour is never the only sign. Texts come from rule files and are escaped.
 """
 
-import re
 from collections.abc import Sequence
 
-from stair_inspector.codes import DECISIONS, Check, Finding, Fit, Rule, RuleEdit, RuleSet, Verdict, gravest, notation_of
+from stair_inspector.codes import Check, Finding, Fit, Rule, Verdict, gravest, notation_of
 from stair_inspector.codes.at_steps import findings_at_steps
-from stair_inspector.codes.phrases import gap_text, limit_words, value_text
-from stair_inspector.codes.rules import GRADES
+from stair_inspector.codes.phrases import gap_text, value_text
 from stair_inspector.content.cells import numbers_of
 from stair_inspector.content.document import SIGNS, Tone
 from stair_inspector.content.remarks import on_page
 from stair_inspector.content.rule_tables import limited_words
-from stair_inspector.content.verdicts import verdict_sentence
-from stair_inspector.content.wording import verdict_of
 from stair_inspector.model import Inspection, Measured
 from stair_inspector.units import M_PER_INCH, Unit, length_text, measured_text, tidy, uncertainty_text
 from stair_inspector.viewer.bridge.markup import CHOSEN, DIM, LINE, button_in_row, pick_script, row_attributes, text
@@ -24,33 +20,9 @@ from stair_inspector.viewer.scene.step_marks import mark_html, marks_of, tone_cs
 RULE = "rule"
 """Word before a rule's number, from 1."""
 _FIT_TONES: dict[bool | None, Tone] = {True: "good", False: "close", None: "plain"}
-_ID_AND_HASH = re.compile(r" \([a-z0-9.-]+, SHA-256 [0-9a-f]{64}\)")
-"""How the words on an overlay go on after its title: see :func:`stair_inspector.codes.overlaid`."""
 _EDITED = f' <b data-testid="edited" style="color:{tone_css("close")}">✎ edited</b>'
 _CELL = "padding:5px 4px;vertical-align:top"
-_STYLE = "font-size:12px;line-height:1.35;padding:2px 12px 6px 9px;overflow-wrap:anywhere"
-
-
-def summary_html(check: Check | None, error: str) -> str:
-    """Return what a check comes to and what it was made with; or why there is none."""
-    if error:
-        words = text(on_page(error))
-        return f'<div data-testid="check-error" role="alert" style="{_STYLE};color:{tone_css("bad")}">{words}</div>'
-    if check is None:
-        words = "No rule set is chosen. The measurement does not depend on it; choose one to hold the values against."
-        return f'<div data-testid="check" data-set="" style="{_STYLE};color:{DIM}">{words}</div>'
-    rules, status = check.rule_set, verdict_of(check)
-    lines = [
-        f'<div style="font-size:13px">{_said(status.tone, status.words)}</div>',
-        f"<div>{text(verdict_sentence(check))}</div>",
-        _notes(check.notes),
-        f'<div style="color:{DIM};font-size:11px;padding-top:3px">{_origin(rules)}<br>'
-        f"{text(DECISIONS[check.decision])}</div>",
-    ]
-    return (
-        f'<div data-testid="check" data-set="{text(rules.set_id)}" class="si-results" style="{_STYLE}">'
-        f"{''.join(lines)}</div>"
-    )
+STYLE = "font-size:12px;line-height:1.35;padding:2px 12px 6px 9px;overflow-wrap:anywhere"
 
 
 def rules_html(check: Check | None, opened: int | None, pick_uuid: str | None, unit: Unit = "mm") -> str:
@@ -79,9 +51,9 @@ def rules_html(check: Check | None, opened: int | None, pick_uuid: str | None, u
         for number, (fit, found) in enumerate(zip(check.fits, by_rule.values(), strict=True), 1)
     )
     return (
-        f'<div data-testid="check-rules" class="si-results" style="{_STYLE};font-variant-numeric:tabular-nums">'
-        f'{_title("Results by rule")}{shared}<table style="border-collapse:collapse;width:100%"><tbody>{rows}</tbody>'
-        "</table></div>"
+        f'<div data-testid="check-rules" class="si-results" style="{STYLE};font-variant-numeric:tabular-nums">'
+        f'{heading_html("Results by rule")}{shared}<table style="border-collapse:collapse;width:100%">'
+        f"<tbody>{rows}</tbody></table></div>"
     )
 
 
@@ -106,80 +78,27 @@ def steps_html(
     rest = ""
     if quiet:
         words = f"{'Step' if len(quiet) == 1 else 'Steps'} {numbers_of(tuple(quiet))}: "
-        rest = f'<div data-testid="check-within" style="padding:4px">{text(words)}{_said("good", "within")}</div>'
+        rest = f'<div data-testid="check-within" style="padding:4px">{text(words)}{said_html("good", "within")}</div>'
     if not rows and not quiet:
         rest = f'<div style="color:{DIM};padding:4px">No value of a single step was judged.</div>'
     return (
-        f'<div data-testid="check-steps" class="si-results" style="{_STYLE};font-variant-numeric:tabular-nums">'
-        f'{_title("Results by step")}<table style="border-collapse:collapse;width:100%"><tbody>{"".join(rows)}</tbody>'
-        f"</table>{rest}</div>"
+        f'<div data-testid="check-steps" class="si-results" style="{STYLE};font-variant-numeric:tabular-nums">'
+        f'{heading_html("Results by step")}<table style="border-collapse:collapse;width:100%">'
+        f"<tbody>{''.join(rows)}</tbody></table>{rest}</div>"
     )
 
 
-def not_assessed_html(check: Check | None) -> str:
-    """Return what the rules limit and a scan does not show."""
-    if check is None or not check.not_assessed:
-        return '<div data-testid="not-assessed"></div>'
-    items = "".join(f"<li>{text(sentence)}</li>" for sentence in check.not_assessed)
-    return (
-        f'<div data-testid="not-assessed" style="{_STYLE}">{_title("Not assessed from a scan")}'
-        f'<ul style="margin:0;padding-left:16px;color:{DIM}">{items}</ul></div>'
-    )
-
-
-def edits_html(edits: Sequence[RuleEdit]) -> str:
-    """Return the limits that were changed, with before, after and reason."""
-    if not edits:
-        return (
-            f'<div data-testid="check-edits" style="{_STYLE};color:{DIM}">No limit was changed: all are as in the '
-            "rule file.</div>"
-        )
-    items = "".join(
-        f"<li>{text(edit.rule_id)}, {edit.side}: <s>{text(limit_words(edit.before))}</s> → "
-        f"<b>{text(limit_words(edit.after))}</b> – {text(edit.reason)}</li>"
-        for edit in edits
-    )
-    return f'<div data-testid="check-edits" style="{_STYLE}"><ul style="margin:0;padding-left:16px">{items}</ul></div>'
-
-
-def _notes(notes: Sequence[str]) -> str:
-    """Return what a reader of the whole check must know."""
-    if not notes:
-        return ""
-    items = "".join(f"<li>{text(on_page(note))}</li>" for note in notes)
-    return f'<ul data-testid="check-notes" style="margin:2px 0;padding-left:16px;font-size:11px">{items}</ul>'
-
-
-def _title(words: str) -> str:
+def heading_html(words: str) -> str:
+    """Return the heading of a list."""
     return f'<div style="font-weight:600;border-bottom:1px solid {LINE};padding:2px 0">{words}</div>'
 
 
-def _said(tone: Tone, words: str) -> str:
+def said_html(tone: Tone, words: str) -> str:
+    """Return a judgement in words, with the sign and the colour of its tone."""
     return (
         f'<b style="color:{tone_css(tone)}"><span aria-hidden="true" style="display:inline-block;min-width:1.1em">'
         f"{SIGNS[tone]}</span>{text(words)}</b>"
     )
-
-
-def _origin(rules: RuleSet) -> str:
-    grades = "; ".join(f"{grade}: {GRADES[grade]}" for grade in rules.grades)
-    edited = rules.edited_words + (f", {len(rules.edits)} below" if rules.is_edited else "")
-    # Of a user's own file the words say that it is one.
-    edited = f"edited by the user: {edited}" if rules.is_shipped else edited
-    parts = [
-        f"<b>{text(rules.title)}</b>",
-        f'<span title="SHA-256 {text(rules.sha256)}">{text(rules.file or "no file")}, '
-        f"SHA-256 {text(rules.sha256[:12])}…</span>",
-        *(f"overlay {text(_without_hash(words))}" for words in rules.overlays),
-        text(edited),
-        f'<span title="{text(grades)}">source graded {text(", ".join(rules.grades))}</span>',
-    ]
-    return " · ".join(parts)
-
-
-def _without_hash(overlay: str) -> str:
-    """Return the words on an overlay without its id and hash, which take a whole line."""
-    return _ID_AND_HASH.sub("", overlay)
 
 
 def _rule_rows(
@@ -229,7 +148,7 @@ def _shared_reason(check: Check) -> str:
 
 
 def _verdict_html(worst: Finding, findings: Sequence[Finding]) -> str:
-    said = _said(tone_of(worst.verdict), worst.verdict.words)
+    said = said_html(tone_of(worst.verdict), worst.verdict.words)
     if len(findings) < 2:
         return said
     alike = sum(found.verdict is worst.verdict for found in findings)
@@ -322,7 +241,7 @@ def _fit_html(rule: Rule, fit: Fit, unit: Unit) -> str:
 def _findings_html(findings: Sequence[Finding], pick_uuid: str | None, unit: Unit) -> str:
     items = "".join(
         f'<li data-testid="finding" data-verdict="{found.verdict.value}" style="padding:1px 0">'
-        f"{_said(tone_of(found.verdict), found.verdict.words)}: {_value_html(found, pick_uuid, unit)}</li>"
+        f"{said_html(tone_of(found.verdict), found.verdict.words)}: {_value_html(found, pick_uuid, unit)}</li>"
         for found in findings
     )
     return (
@@ -356,7 +275,7 @@ def _step_row(
 
 def _step_finding(check: Check, step_id: int, found: Finding, unit: Unit) -> str:
     """Return what a finding says of one step, with the limit and the distance from it."""
-    said = _said(tone_of(found.verdict), found.verdict.words)
+    said = said_html(tone_of(found.verdict), found.verdict.words)
     if found.rule.severity == "advisory":
         said += f' <span style="color:{DIM}">(advice, no limit)</span>'
     if found.value is None:

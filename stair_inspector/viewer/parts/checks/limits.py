@@ -8,9 +8,9 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.chosen_rules import is_usable, limit_of, with_edit, without_edits
 from stair_inspector.files.rule_sets import parse_limit
 from stair_inspector.viewer.bridge.widgets import offer
-from stair_inspector.viewer.parts.checks.checks_html import edits_html
 from stair_inspector.viewer.parts.checks.rule_choice import RuleChoice
 from stair_inspector.viewer.parts.checks.rule_menus import limit_labels, rule_label, rule_named
+from stair_inspector.viewer.parts.checks.summary_html import edits_html
 from stair_inspector.viewer.parts.part import Context
 
 CHANGE = "Change the limit"

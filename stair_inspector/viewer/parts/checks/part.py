@@ -10,13 +10,7 @@ from stair_inspector.files.chosen_rules import ChosenRules, with_fitting, with_s
 from stair_inspector.units import Unit
 from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.bridge.widgets import offer
-from stair_inspector.viewer.parts.checks.checks_html import (
-    RULE,
-    not_assessed_html,
-    rules_html,
-    steps_html,
-    summary_html,
-)
+from stair_inspector.viewer.parts.checks.checks_html import RULE, rules_html, steps_html
 from stair_inspector.viewer.parts.checks.limits import LimitForm
 from stair_inspector.viewer.parts.checks.own_rules import OwnRules
 from stair_inspector.viewer.parts.checks.rule_choice import RuleChoice
@@ -28,8 +22,10 @@ from stair_inspector.viewer.parts.checks.rule_menus import (
     id_of,
     labels_of,
     overlays_beside,
+    rule_set_title,
     several_label,
 )
+from stair_inspector.viewer.parts.checks.summary_html import not_assessed_html, summary_html
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.parts.table import pick_row
 from stair_inspector.viewer.state.change import PageChange
@@ -166,7 +162,7 @@ class ChecksPart(PagePart):
         rules = self._choice.rules
         if self._opened_of != (rules.set_id, rules.files):
             self._opened, self._opened_of = None, (rules.set_id, rules.files)
-        self.summary.content = summary_html(check, self._judge.error)
+        self.summary.content = summary_html(check, self._judge.error, rule_set_title(rules, rules.set_id))
         if self._drawn is None or self._drawn[0] is not check or self._drawn[1:] != (self._opened, desk.unit):
             self._drawn = (check, self._opened, desk.unit)
             self.by_rule.content = rules_html(check, self._opened, self._orders, desk.unit)

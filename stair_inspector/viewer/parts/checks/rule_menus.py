@@ -89,11 +89,11 @@ def what_became(before: ChosenRules, after: ChosenRules) -> str:
     left = next((each for each in after.left if each.set_id == before.set_id), None) if is_other else None
     kept = () if left is None else left.overlay_ids
     if left is not None:
-        name = _title_of(before, before.set_id)
+        name = rule_set_title(before, before.set_id)
         under = f", with its overlay {_titles_of(before, kept)}," if kept else ""
         words.append(f"{name} keeps {_counted(len(left.edits))}{under} for when it is chosen again")
     if after.edits and is_other:
-        words.append(f"in force again: {_counted(len(after.edits))} of {_title_of(after, after.set_id)}")
+        words.append(f"in force again: {_counted(len(after.edits))} of {rule_set_title(after, after.set_id)}")
     laid = tuple(each for each in after.overlay_ids if each not in before.overlay_ids)
     if laid and is_other:
         words.append(f"laid again: the overlay {_titles_of(after, laid)}")
@@ -108,14 +108,15 @@ def what_became(before: ChosenRules, after: ChosenRules) -> str:
 
 
 def _titles_of(rules: ChosenRules, overlay_ids: Iterable[str]) -> str:
-    return " and ".join(_title_of(rules, overlay_id) for overlay_id in overlay_ids)
+    return " and ".join(rule_set_title(rules, overlay_id) for overlay_id in overlay_ids)
 
 
 def _counted(n_limits: int) -> str:
     return f"{n_limits} changed limit{'' if n_limits == 1 else 's'}"
 
 
-def _title_of(rules: ChosenRules, set_id: str) -> str:
+def rule_set_title(rules: ChosenRules, set_id: str) -> str:
+    """Return the title of a rule set or overlay; of one that this version does not have, its id."""
     known = known_sets(rules)
     return known[set_id].title if set_id in known else set_id
 

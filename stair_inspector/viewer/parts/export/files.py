@@ -26,8 +26,8 @@ from stair_inspector.pictures.picture import (
 )
 from stair_inspector.units import Unit
 from stair_inspector.viewer.compute.jobs import Tell
-from stair_inspector.viewer.parts import html
 from stair_inspector.viewer.parts.desk import Shown
+from stair_inspector.viewer.parts.details_html import used_text
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.parts.studio import studio
 from stair_inspector.viewer.scene.stage import Mode
@@ -184,7 +184,7 @@ class Downloads:
             scan=sitting.shown.label,
             view=view,
             date=datetime.datetime.now().strftime("%Y-%m-%d %H:%M"),
-            settings=html.used_text(sitting.shown.inspection),
+            settings=used_text(sitting.shown.inspection),
         )
         background = read_background(self.ground.value)
         scale = scale_of(pose, fov_rad, pixels.shape[0], sitting.unit)

@@ -5,14 +5,7 @@ from stair_inspector.content.cross_checks import Compared, compared, readings_ta
 from stair_inspector.content.document import SIGNS
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.model import Inspection
-from stair_inspector.units import (
-    NOT_KNOWN,
-    ShownUnit,
-    Unit,
-    length_text,
-    signed_text,
-    uncertainty_text,
-)
+from stair_inspector.units import NOT_KNOWN, ShownUnit, Unit, length_text, signed_text, uncertainty_text
 from stair_inspector.viewer.bridge.markup import DIM, LINE, list_key, order_button, text
 from stair_inspector.viewer.scene.step_marks import tone_css
 

@@ -13,14 +13,7 @@ from stair_inspector.content.cells import QUANTITY_WORDS
 from stair_inspector.content.fields import FIELD_GROUPS, Checklist, Paper, ReportBasis, ReportFields
 from stair_inspector.content.images import read_logo, read_photo
 from stair_inspector.content.moments import odd_moment
-from stair_inspector.content.readings import (
-    FLIGHT_READINGS,
-    ON_A_LINE,
-    STEP_READINGS,
-    Line,
-    TapeReading,
-    parse_reading,
-)
+from stair_inspector.content.readings import FLIGHT_READINGS, ON_A_LINE, STEP_READINGS, Line, TapeReading, parse_reading
 from stair_inspector.content.texts import require_text
 from stair_inspector.content.written import split_unit
 from stair_inspector.errors import ConfigError

@@ -6,7 +6,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection
 from stair_inspector.viewer.bridge.markup import DIM, text
-from stair_inspector.viewer.parts import html
+from stair_inspector.viewer.parts.details_html import up_html
 from stair_inspector.viewer.parts.part import Context
 
 UP_TOOLS = ("Pick 3 floor points", "Take the treads")
@@ -57,7 +57,7 @@ class UprightTool:
     def show(self) -> None:
         """Show the up in use; picking that was begun on another scan is given up."""
         inspection = self._desk.inspection
-        self.used.content = html.up_html(inspection.up) if inspection is not None else ""
+        self.used.content = up_html(inspection.up) if inspection is not None else ""
         if self._frame != self._desk.frame:
             self.stop()
 

@@ -11,10 +11,11 @@ from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.bridge.widgets import offer
 from stair_inspector.viewer.parts.desk import Shown
 from stair_inspector.viewer.parts.part import Context, PagePart
+from stair_inspector.viewer.parts.steps.card_html import card_html
+from stair_inspector.viewer.parts.steps.rejected_html import rejected_html
 from stair_inspector.viewer.parts.steps.settling import Settling
 from stair_inspector.viewer.parts.steps.step_pictures import card_pictures
 from stair_inspector.viewer.parts.steps.verdicts import Verdicts
-from stair_inspector.viewer.parts.survey_html import card_html, rejected_html
 from stair_inspector.viewer.parts.table import NO_STEP, TABLE_CHANGES, StepTable, read_choice
 from stair_inspector.viewer.scene.dimensions import dimensions_of
 from stair_inspector.viewer.scene.stage import HIGHLIGHT

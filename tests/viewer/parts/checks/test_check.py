@@ -14,6 +14,7 @@ from stair_inspector.viewer.parts.checks import part as checks_module
 from stair_inspector.viewer.parts.checks.limits import CHANGE, SIDES
 from stair_inspector.viewer.parts.checks.rule_menus import NO_OVERLAY, NO_RULES
 from stair_inspector.viewer.scene.step_marks import marks_of
+from stair_inspector.viewer.state.change import PageChange
 from tests.viewer.parts.test_html import Page
 from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
@@ -405,3 +406,19 @@ def test_choosing_a_step_does_not_draw_every_rule_again(session, checking, tab, 
 def test_an_own_file_is_known_by_its_bytes(session, checking):
     checking.own_rules.take_file(upload("mine.toml", OWN))
     assert session.editor.work.rules.files == (RuleFile("mine.toml", OWN),)
+
+
+# --- the summary -----------------------------------------------------------------------------------------------------
+
+
+def test_while_a_scan_is_opened_the_summary_names_the_rules_that_wait_for_it(session, tab):
+    await_that(lambda: session.desk.shown is not None, "there is no result")
+    choose(session, IBC)
+    assert "Nothing is measured yet" not in words_of(tab.summary)
+    with session.desk.lock:
+        # As when another scan is chosen.
+        session.desk.clear()
+        session.changed(PageChange.RESULT, PageChange.SCAN)
+        words = words_of(tab.summary)
+    assert "No rule set is chosen" not in words
+    assert f"Chosen: {find_rule_set(IBC).title}. Nothing is measured yet" in words

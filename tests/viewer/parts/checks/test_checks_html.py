@@ -12,14 +12,9 @@ from stair_inspector.files.palettes import read_palette
 from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.model import Measured
 from stair_inspector.viewer.bridge.markup import pick_script
-from stair_inspector.viewer.parts.checks.checks_html import (
-    edits_html,
-    not_assessed_html,
-    rules_html,
-    steps_html,
-    summary_html,
-)
-from stair_inspector.viewer.parts.html import legend_html
+from stair_inspector.viewer.parts.checks.checks_html import rules_html, steps_html
+from stair_inspector.viewer.parts.checks.summary_html import edits_html, not_assessed_html, summary_html
+from stair_inspector.viewer.scene.legends import legend_html
 from stair_inspector.viewer.scene.step_marks import TONE_CSS, mark_html, marks_of, tone_of
 from tests.codes.flights import changed, even, flight_of, inspection_of, measured, step
 from tests.viewer.parts.test_html import Page
@@ -54,6 +49,9 @@ def row_of(html, rule_id):
 
 def test_without_rules_it_says_so_and_without_a_result_there_is_an_error_or_nothing():
     assert "No rule set is chosen" in Page(summary_html(None, "")).words
+    assert Page(summary_html(None, "", f"My {HOSTILE}")).words.startswith(
+        f"Chosen: My {HOSTILE}. Nothing is measured yet"
+    )
     assert Page(summary_html(None, f"rules: {HOSTILE}")).words == f"rules: {HOSTILE}"
     assert rules_html(None, None, None) == '<div data-testid="check-rules"></div>'
     assert steps_html(DEFECTIVE, None, None, None) == '<div data-testid="check-steps"></div>'

@@ -9,7 +9,7 @@ from stair_inspector.model import Note
 from stair_inspector.params import Params
 from stair_inspector.stability import CODE
 from stair_inspector.viewer.compute.heavy_process import Cancelled
-from stair_inspector.viewer.parts import html
+from stair_inspector.viewer.parts.step_table_html import table_html
 from stair_inspector.viewer.parts.steps import settling
 from tests.viewer.parts.tune.test_paper_edges import slide
 from tests.viewer.parts_of import part_of
@@ -38,9 +38,9 @@ def test_a_mark_is_in_the_table_on_the_card_and_among_the_notes_and_goes_with_th
     before = session.desk.shown
     await_that(lambda: "hangs on the settings" in part_of(session, "page_settings").notes.content, "nothing is marked")
     assert session.desk.shown is before
-    plain = html.table_html(session.desk.inspection, session.desk.palette, None, None, "survey")
+    plain = table_html(session.desk.inspection, session.desk.palette, None, None, "survey")
     assert "unsettled" not in plain
-    table = html.table_html(session.desk.marked, session.desk.palette, None, None, "survey")
+    table = table_html(session.desk.marked, session.desk.palette, None, None, "survey")
     assert table.count('data-testid="unsettled"') == 1
     assert f'title="{WORDS}"' in table
     session.desk.select(2)
