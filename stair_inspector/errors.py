@@ -4,7 +4,10 @@ The command line and the page show the text of an error and nothing else.
 """
 
 import unicodedata
+from collections.abc import Iterable
+from typing import TypeVar
 
+Option = TypeVar("Option", bound=str)
 _LONGEST_SHOWN = 60
 """Characters of a wrong value that a message repeats: a file may hold megabytes of it."""
 
@@ -49,3 +52,17 @@ def brief(value: object) -> str:
     except RecursionError:
         shown = f"a {type(value).__name__} nested too deeply to be shown"
     return shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}..."
+
+
+def one_of(value: object, options: Iterable[Option], place: str) -> Option:
+    """Return the option that a control names: a page may send anything.
+
+    Raises
+    ------
+    ConfigError
+        It is none of the options; ``place`` says whose it would be.
+    """
+    for option in options:
+        if option == value:
+            return option
+    raise ConfigError(f"{place}: got {str(value)[:40]!r}; give one of {', '.join(options)}")

@@ -7,7 +7,7 @@ the measurements. An angle is written with the unit ``"°"`` whatever the choice
 import math
 from typing import Literal
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import one_of
 from stair_inspector.model import Measured
 from stair_inspector.quantities import QUANTITIES
 from stair_inspector.quantity_types import NOTATIONS, Notation, SiUnit
@@ -74,10 +74,7 @@ def read_unit(value: object) -> Unit:
     ConfigError
         It is none of :data:`UNITS`.
     """
-    known = next((unit for unit in UNITS if unit == value), None)
-    if known is None:
-        raise ConfigError(f"unit: got {str(value)[:40]!r}; give one of {', '.join(UNITS)}")
-    return known
+    return one_of(value, UNITS, "unit")
 
 
 def fraction_text(value_m: float) -> str:

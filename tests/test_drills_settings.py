@@ -27,7 +27,7 @@ WHAT_IS_SEEN = """\
     from stair_inspector.params import SETTINGS, Params
     from stair_inspector.viewer.bridge.controls import SettingControls, words_of_change
     from stair_inspector.viewer.compute.sensitivity import swept_values
-    from stair_inspector.viewer.parts.tune.runs import sweep_titles
+    from stair_inspector.viewer.parts.tune.sweeping import sweep_titles
 
     controls = {}
 

@@ -69,20 +69,6 @@ class Coloring:
     legend: Legend
 
 
-def read_color_mode(value: object) -> ColorMode:
-    """Return the mode that a control names.
-
-    Raises
-    ------
-    ConfigError
-        It is none of :data:`COLOR_MODES`.
-    """
-    known = next((mode for mode in COLOR_MODES if mode == value), None)
-    if known is None:
-        raise ConfigError(f"colour by: got {str(value)[:40]!r}; give one of {', '.join(COLOR_MODES)}")
-    return known
-
-
 def color_points(
     mode: ColorMode,
     inspection: Inspection,

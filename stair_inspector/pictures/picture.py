@@ -67,20 +67,6 @@ class Scale:
     is_everywhere: bool = False
 
 
-def read_background(value: object) -> Background:
-    """Return the background that a control names.
-
-    Raises
-    ------
-    ConfigError
-        It is none of :data:`BACKGROUNDS`.
-    """
-    known = next((background for background in BACKGROUNDS if background == value), None)
-    if known is None:
-        raise ConfigError(f"background: got {str(value)[:40]!r}; give one of {', '.join(BACKGROUNDS)}")
-    return known
-
-
 def check_size(width: float, height: float) -> tuple[int, int]:
     """Return the size of a picture in whole pixels.
 

@@ -14,7 +14,6 @@ from stair_inspector.pictures.coloring import (
     color_points,
     color_residuals,
     crease_of,
-    read_color_mode,
     residual_legend,
     residual_limit,
     residuals_of,
@@ -166,13 +165,6 @@ def test_every_mode_has_a_colour_for_every_drawn_point_and_a_legend(measured, mo
     assert coloring.colors.shape == (500, 3)
     assert coloring.colors.dtype == np.uint8
     assert coloring.legend.title
-
-
-@pytest.mark.parametrize("value", ["step", "", None, "Colour"])
-def test_an_unknown_mode_is_refused(value):
-    with pytest.raises(ConfigError, match="colour by: got"):
-        read_color_mode(value)
-    assert [read_color_mode(mode) for mode in COLOR_MODES] == list(COLOR_MODES)
 
 
 def test_a_crease_is_where_tread_and_riser_meet_and_nowhere_else():

@@ -15,14 +15,12 @@ from stair_inspector.pictures.coloring import VIRIDIS, residual_legend
 from stair_inspector.pictures.legends import Legend
 from stair_inspector.pictures.lettering import Lettering
 from stair_inspector.pictures.picture import (
-    BACKGROUNDS,
     Caption,
     Scale,
     bar_of,
     check_size,
     picture_png,
     pictures_zip,
-    read_background,
     safe_name,
     scale_of,
     size_of,
@@ -219,13 +217,6 @@ def test_an_impossible_size_is_refused(side):
     with pytest.raises(ConfigError, match="picture: width: got"):
         check_size(side, 800)
     assert check_size(800.0, 600.4) == (800, 600)
-
-
-@pytest.mark.parametrize("value", ["", "white", None])
-def test_an_unknown_background_is_refused(value):
-    with pytest.raises(ConfigError, match="background: got"):
-        read_background(value)
-    assert [read_background(name) for name in BACKGROUNDS] == list(BACKGROUNDS)
 
 
 def test_views_of_one_name_are_all_in_the_zip():

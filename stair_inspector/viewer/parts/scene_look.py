@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.geometry.arrays import Colors, Floats
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.pictures.cameras import (
@@ -22,7 +22,7 @@ from stair_inspector.pictures.cameras import (
     step_frame,
     with_fov,
 )
-from stair_inspector.pictures.coloring import ColorMode, color_points, crease_of, read_color_mode, shade
+from stair_inspector.pictures.coloring import COLOR_MODES, ColorMode, color_points, crease_of, shade
 from stair_inspector.pictures.display import MAX_POINTS, Display, choose_display
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.legends import Legend
@@ -54,7 +54,7 @@ class _Framed:
 class SceneLook:
     """Everything about the picture that is no result. Callers hold the desk's lock.
 
-    ``mode`` of the colours, ``is_shaded`` and ``percent`` of the points belong to the page and not to the project.
+    ``color_mode``, ``is_shaded``, ``is_ortho`` and ``percent`` of the points belong to the page and not to the project.
     ``gone_to`` is where the camera was last sent, and its angle of view: another object with every move.
     """
 
@@ -66,7 +66,7 @@ class SceneLook:
         self._lent_from: tuple[Pose, float] | None = None
         # How the camera stood before the clouds stood side by side, and where it was put then.
         self._apart: tuple[Pose, Floats] | None = None
-        self._is_ortho = False
+        self.is_ortho = False
         self.color_mode: ColorMode = "Step"
         self.is_shaded = False
         self.percent = 100
@@ -94,7 +94,7 @@ class SceneLook:
 
     def set_color(self, option: object) -> None:
         """Choose what the colours tell."""
-        self.color_mode = read_color_mode(option)
+        self.color_mode = one_of(option, COLOR_MODES, "colour by")
 
     def set_shading(self, is_shaded: object) -> None:
         """Switch the light and the darker creases on or off."""
@@ -170,9 +170,7 @@ class SceneLook:
 
     def set_mode(self, option: str) -> None:
         """Show the raw cloud, the steps, or both side by side; the camera goes on looking at the same spot."""
-        known = next((known for known in MODES if known == option), None)
-        if known is None:
-            raise ConfigError(f"view: got {str(option)[:40]!r}; give one of {', '.join(MODES)}")
+        known = one_of(option, MODES, "view")
         stage = self._desk.stage
         before_m = stage.shift_m()
         stage.set_mode(known)
@@ -180,10 +178,7 @@ class SceneLook:
 
     def set_view(self, option: str) -> None:
         """Stand back from a side of the staircase."""
-        known = next((known for known in VIEWS if known == option), None)
-        if known is None:
-            raise ConfigError(f"camera: got {str(option)[:40]!r}; give one of {', '.join(VIEWS)}")
-        self.look(known)
+        self.look(one_of(option, VIEWS, "camera"))
 
     def look_at_step(self) -> None:
         """Look at the chosen step.
@@ -199,22 +194,17 @@ class SceneLook:
 
     def set_ortho(self, is_ortho: bool) -> None:
         """Look as if from far away, so that parallels stay parallel, or as the eye sees."""
-        if bool(is_ortho) == self._is_ortho:
+        if bool(is_ortho) == self.is_ortho:
             return
         # Not that of the look: a section or a kept view may have set another one.
         pose, before = self.camera()
-        self._is_ortho = bool(is_ortho)
+        self.is_ortho = bool(is_ortho)
         self.go_to(with_fov(pose, before, self.fov_rad), self.fov_rad)
-
-    @property
-    def is_ortho(self) -> bool:
-        """Whether the look is orthographic."""
-        return self._is_ortho
 
     @property
     def fov_rad(self) -> float:
         """The upright angle of view."""
-        return ORTHO_FOV_RAD if self._is_ortho else FOV_RAD
+        return ORTHO_FOV_RAD if self.is_ortho else FOV_RAD
 
     @property
     def aspect(self) -> float:

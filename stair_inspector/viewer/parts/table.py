@@ -1,6 +1,6 @@
 """The table of steps with its choice of columns, on each tab that has one; all of them show the same."""
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.pictures.segmentation import SURFACE
 from stair_inspector.viewer.bridge.markup import FLIGHT
 from stair_inspector.viewer.parts.desk import Desk
@@ -53,9 +53,7 @@ class StepTable:
 
     def set_columns(self, option: str) -> None:
         """Show the survey's or the paper's columns."""
-        columns = next((columns for columns in COLUMNS if columns == str(option).lower()), None)
-        if columns is None:
-            raise ConfigError(f"table: got {str(option)[:40]!r}; give one of {', '.join(COLUMNS)}")
+        columns = one_of(str(option).lower(), COLUMNS, "table")
         with self._desk.lock:
             self._desk.columns = columns
             self._desk.changed(PageChange.TABLE)

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.files.projects import Measurement
 from stair_inspector.geometry.arrays import Floats, Point
 from stair_inspector.units import NOT_KNOWN, Unit, length_text, tidy
@@ -66,10 +66,7 @@ class Ruler:
         ConfigError
             It is none of :data:`RULER_MODES`.
         """
-        known = next((mode for mode in RULER_MODES if mode == value), None)
-        if known is None:
-            raise ConfigError(f"measure: got {str(value)[:40]!r}; give one of {', '.join(RULER_MODES)}")
-        self.mode, self.waiting = known, None
+        self.mode, self.waiting = one_of(value, RULER_MODES, "measure"), None
 
     def step_back(self) -> bool:
         """Forget the point that waits; return whether there was one."""

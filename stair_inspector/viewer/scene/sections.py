@@ -79,20 +79,6 @@ class Profile:
     thickness_m: float
 
 
-def read_direction(value: object) -> Direction:
-    """Return the direction that a control names.
-
-    Raises
-    ------
-    ConfigError
-        It is none of :data:`DIRECTIONS`.
-    """
-    known = next((direction for direction in DIRECTIONS if direction == str(value).lower()), None)
-    if known is None:
-        raise ConfigError(f"section: got {str(value)[:40]!r}; give one of {', '.join(DIRECTIONS)}")
-    return known
-
-
 def places(frame: SectionFrame, points: Floats, direction: Direction) -> tuple[float, float]:
     """Return the range of places at which a slab of this direction meets the points (m, 3), metres."""
     return _range((_some(points) - frame.origin) @ _axis(frame, direction))

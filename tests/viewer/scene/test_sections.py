@@ -15,7 +15,6 @@ from stair_inspector.viewer.scene.sections import (
     places,
     profile_csv,
     profile_of,
-    read_direction,
     section_display,
 )
 from tests.synthetic import make_scan, rotation
@@ -190,10 +189,3 @@ def test_a_place_that_is_no_number_is_refused(place_m):
     _, inspection, display = surveyed()
     with pytest.raises(ConfigError, match="section: place: got"):
         cut(section_frame(inspection, display.points), "along", place_m, 0.05, display.points)
-
-
-@pytest.mark.parametrize("value", ["", "up", None, 3])
-def test_an_unknown_direction_is_refused(value):
-    with pytest.raises(ConfigError, match="section: got"):
-        read_direction(value)
-    assert [read_direction(word) for word in ("along", "Across")] == ["along", "across"]

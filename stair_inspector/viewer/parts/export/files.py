@@ -5,10 +5,11 @@ import dataclasses
 import datetime
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import viser
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.files.project_files import project_bytes
 from stair_inspector.files.projects import Project
 from stair_inspector.geometry.arrays import Colors
@@ -20,7 +21,6 @@ from stair_inspector.pictures.picture import (
     Caption,
     picture_png,
     pictures_zip,
-    read_background,
     scale_of,
     size_of,
 )
@@ -35,7 +35,7 @@ from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.debug_ply import debug_ply_bytes
 from stair_inspector.writers.json import json_bytes
 
-CURRENT_VIEW = "Current"
+CURRENT_VIEW: Literal["Current"] = "Current"
 SIZES = {"screen": 1, "2 ×": 2, "4 ×": 4}
 """Size of a picture, times the scene's size on the screen."""
 
@@ -112,12 +112,9 @@ class Downloads:
     # Pictures.
 
     def _picture(self, shown: Shown, tell: Tell) -> bytes:
-        view = self.view.value
-        known = next((known for known in VIEWS if known == view), None)
-        if known is None and view != CURRENT_VIEW:
-            raise ConfigError(f"view: got {str(view)[:40]!r}; give one of {', '.join((CURRENT_VIEW, *VIEWS))}")
+        known: View | Literal["Current"] = one_of(self.view.value, (CURRENT_VIEW, *VIEWS), "view")
         sitting = self._sit(shown)
-        name, pose, fov_rad = ("current view", *self._camera()) if known is None else self._view(shown, known)
+        name, pose, fov_rad = ("current view", *self._camera()) if known == "Current" else self._view(shown, known)
         tell("making the picture …", 10.0)
         with self._studio() as render:
             return self._finish(sitting, name, render(pose, fov_rad), pose, fov_rad)
@@ -186,7 +183,7 @@ class Downloads:
             date=datetime.datetime.now().strftime("%Y-%m-%d %H:%M"),
             settings=used_text(sitting.shown.inspection),
         )
-        background = read_background(self.ground.value)
+        background = one_of(self.ground.value, BACKGROUNDS, "background")
         scale = scale_of(pose, fov_rad, pixels.shape[0], sitting.unit)
         return picture_png(pixels, caption, self._legend(sitting), scale, background)
 

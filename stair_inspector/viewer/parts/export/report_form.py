@@ -16,7 +16,7 @@ from stair_inspector.content.moments import odd_moment
 from stair_inspector.content.readings import FLIGHT_READINGS, ON_A_LINE, STEP_READINGS, Line, TapeReading, parse_reading
 from stair_inspector.content.texts import require_text
 from stair_inspector.content.written import split_unit
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.viewer.bridge.markup import read_order
 from stair_inspector.viewer.bridge.widgets import Dropdown, File, Text, Widgets
@@ -125,8 +125,7 @@ class ReportForm:
 
     def set_paper(self, option: str) -> None:
         """Choose the size of the PDF's pages."""
-        if option not in PAPERS:
-            raise ConfigError(f"paper: got {str(option)[:40]!r}; give one of {', '.join(PAPERS)}")
+        one_of(option, PAPERS, "paper")
         self._change(f"paper {option}", lambda basis: dataclasses.replace(basis, paper=PAPERS[option]))
 
     def add_reading(self) -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.pictures.cameras import ORTHO_FOV_RAD, frame_from
 from stair_inspector.pictures.display import Display
 from stair_inspector.pictures.frames import section_frame
@@ -17,7 +17,6 @@ from stair_inspector.viewer.scene.sections import (
     places,
     profile_csv,
     profile_of,
-    read_direction,
     section_display,
 )
 
@@ -86,7 +85,7 @@ class SectionTool:
 
     def set_direction(self, option: str) -> None:
         """Cut along or across the stair, through its middle."""
-        direction = read_direction(option)
+        direction = one_of(option.lower(), DIRECTIONS, "section")
         with self._desk.lock:
             self._direction = direction
             self._cut.show(direction.capitalize())

@@ -2,7 +2,7 @@
 
 import viser
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.files.projects import SavedView
 from stair_inspector.pictures.cameras import VIEWS, from_saved, to_saved
 from stair_inspector.viewer.bridge.markup import DIM, LINE, list_key, read_order, text
@@ -98,8 +98,7 @@ class ViewTool:
 
     def look_at(self, option: str) -> None:
         """Look at the chosen step, the stair or everything."""
-        if option not in TARGETS:
-            raise ConfigError(f"look at: got {str(option)[:40]!r}; give one of {', '.join(TARGETS)}")
+        one_of(option, TARGETS, "look at")
         with self._desk.lock:
             if option == TARGETS[0]:
                 self._look.look_at_step()

@@ -3,7 +3,7 @@
 import numpy as np
 import viser
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.overrules import parse_region
 from stair_inspector.viewer.bridge.markup import DIM, text
@@ -56,8 +56,7 @@ class RegionTool:
 
     def use_tool(self, option: str) -> None:
         """Set the box around the stair, or around everything; the latter measures everything again."""
-        if option not in REGION_TOOLS:
-            raise ConfigError(f"region: got {str(option)[:40]!r}; give one of {', '.join(REGION_TOOLS)}")
+        one_of(option, REGION_TOOLS, "region")
         with self._desk.lock:
             shown = self._desk.result("region")
             origin = shown.scan.origin_m

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection
 from stair_inspector.viewer.bridge.markup import DIM, text
@@ -35,8 +35,7 @@ class UprightTool:
 
     def start(self, option: str) -> None:
         """Begin to pick three points, or take the treads."""
-        if option not in UP_TOOLS:
-            raise ConfigError(f"correct up: got {str(option)[:40]!r}; give one of {', '.join(UP_TOOLS)}")
+        one_of(option, UP_TOOLS, "correct up")
         with self._desk.lock:
             shown = self._desk.result("correct up")
             # Either way, points that were picked before count no longer.

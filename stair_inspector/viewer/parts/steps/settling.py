@@ -1,8 +1,8 @@
 """Which values hang on the settings: found out while nobody does anything, and marked on the page."""
 
-from stair_inspector.memo import Memo
 from stair_inspector.stability import mark_unsettled
 from stair_inspector.viewer.compute.heavy_process import Cancelled
+from stair_inspector.viewer.compute.side_runs import memo_while
 from stair_inspector.viewer.compute.threads import Newest, Settle
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.state.change import PageChange
@@ -41,15 +41,11 @@ class Settling:
         def is_wanted() -> bool:
             return not (desk.is_closed or self._is_busy()) and desk.inspection is shown.inspection
 
-        def go_on(_: str = "") -> None:
-            if not is_wanted():
-                raise Cancelled
-
-        memo = Memo(lambda function, *inputs: self._workshop.heavy(function, *inputs, is_wanted=is_wanted), go_on)
         inspection = shown.inspection
         try:
-            go_on()
-            found = mark_unsettled(shown.scan, inspection.params, inspection, memo)
+            if not is_wanted():
+                raise Cancelled
+            found = mark_unsettled(shown.scan, inspection.params, inspection, memo_while(self._workshop, is_wanted))
         except Cancelled:
             # The next result is looked into in its turn; a run that ends without one leaves this one standing.
             if not desk.is_closed and desk.inspection is inspection:

@@ -4,7 +4,7 @@ import dataclasses
 
 import viser
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.model import Inspection
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.pictures.frames import step_of
@@ -40,9 +40,8 @@ class Verdicts:
 
     def mark(self, option: str) -> None:
         """Decide what the chosen step or surface is, with the reason that is written; or take that back."""
+        one_of(option, (*VERDICTS, TAKE_BACK), "mark as")
         kind = next((kind for kind in VERDICTS if kind == option), None)
-        if kind is None and option != TAKE_BACK:
-            raise ConfigError(f"mark as: got {str(option)[:40]!r}; give one of {', '.join((*VERDICTS, TAKE_BACK))}")
         desk, controls = self._desk, self._editor.controls
         # The desk is kept all the while: the place belongs to the scan that is shown.
         with desk.lock:

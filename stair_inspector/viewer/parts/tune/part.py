@@ -12,6 +12,7 @@ from stair_inspector.viewer.parts.tune.histogram import histogram_html
 from stair_inspector.viewer.parts.tune.paper_edges import PaperEdges
 from stair_inspector.viewer.parts.tune.presets import Presets
 from stair_inspector.viewer.parts.tune.runs import RunComparison
+from stair_inspector.viewer.parts.tune.sweeping import SweepTool
 from stair_inspector.viewer.state.change import PageChange
 
 _UNDO, _REDO = "Undo", "Redo"
@@ -49,6 +50,7 @@ class TunePart(PagePart):
             controls.add_by_stage("more")
         self.presets.add_suggestion()
         self.comparison = RunComparison(context)
+        self.sweeps = SweepTool(context)
         self.presets.add_files()
         self.paper_edges = PaperEdges(context)
 
@@ -70,6 +72,7 @@ class TunePart(PagePart):
             self.presets.know_heights()
         if what & {PageChange.RESULT, PageChange.WORK, PageChange.UNIT}:
             self.comparison.show()
+            self.sweeps.show()
 
     def commands(self) -> tuple[Command, ...]:
         """Return what keys do with the settings."""
@@ -83,10 +86,12 @@ class TunePart(PagePart):
     def cancel(self) -> None:
         """Stop comparisons and the sweep."""
         self.comparison.cancel()
+        self.sweeps.cancel()
 
     def close(self) -> None:
         """End the threads."""
         self.comparison.close()
+        self.sweeps.close()
         self.paper_edges.close()
 
     def take_reach(self, message: str) -> None:

@@ -1,36 +1,29 @@
-"""Earlier results, kept runs and sweeps: results beside the one that is shown, computed on threads of their own."""
+"""The folder "Compare A / B" of the Tune tab: earlier results and kept runs beside the one that is shown."""
 
 import itertools
-import threading
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
 
 import viser
 
 from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.projects import KeptRun
-from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection
-from stair_inspector.params import SETTINGS, Params
+from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.widgets import Widgets, offer
 from stair_inspector.viewer.compute.heavy_process import Cancelled
-from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES, Sweep, sweep
-from stair_inspector.viewer.compute.threads import Newest
+from stair_inspector.viewer.compute.side_runs import SideJob, SideRuns
 from stair_inspector.viewer.parts.desk import Shown
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.parts.tune.comparison import compare, comparison_html
 from stair_inspector.viewer.parts.tune.run_history import MOST_RUNS, RunHistory
-from stair_inspector.viewer.parts.tune.sensitivity_html import sweep_html
 
 NO_RUN = "none"
 AS_SHOWN = "what is shown"
 """What menus say for no result, and for the one that the page shows."""
 _USE, _FORGET = "Use its settings", "Forget it"
-T = TypeVar("T")
 
 _MOST_MADE = 3
 """Results kept beside the one that is shown: each holds some numbers for every point of the scan."""
@@ -52,7 +45,7 @@ class _Choice:
 
 
 class RunComparison:
-    """The folders "Compare A / B" and "Sensitivity" of the Tune tab."""
+    """Compares two results; what is not known any more is measured again on a thread of its own."""
 
     def __init__(self, context: Context) -> None:
         self._desk = desk = context.desk
@@ -60,7 +53,6 @@ class RunComparison:
         self._keeper = context.keeper
         self._workshop = context.workshop
         self._add_comparison(context.widgets)
-        self._add_sweep(context.widgets)
         self._history = RunHistory()
         # Results, and sentences why there is none, by scan and settings.
         self._made: list[tuple[str, Params, Inspection]] = []
@@ -68,13 +60,8 @@ class RunComparison:
         self._a: tuple[str, int] | None = None
         self._b: tuple[str, int] | None = None
         self._asked: tuple[str, Params] | None = None
-        self._sweep: tuple[str, Sweep] | None = None
-        # One for each job: what was stopped must not stop the next.
-        self._stop_run, self._stop_sweep = threading.Event(), threading.Event()
-        client_id = desk.client.client_id
-        self._runs: Newest[Callable[[], None]] = Newest(self._run, name=f"stair-compare-{client_id}")
-        # A thread of its own: a sweep takes a minute, and must not be dropped for a comparison.
-        self._sweeps: Newest[Callable[[], None]] = Newest(self._run, name=f"stair-sweep-{client_id}")
+        name = f"stair-compare-{desk.client.client_id}"
+        self._runs = SideRuns(context.workshop, desk.notices, lambda: desk.is_closed, name)
 
     def _add_comparison(self, widgets: Widgets) -> None:
         with widgets.folder("Compare A / B", is_open=False):
@@ -107,33 +94,13 @@ class RunComparison:
             )
             self.comparison = widgets.html()
 
-    def _add_sweep(self, widgets: Widgets) -> None:
-        with widgets.folder("Sensitivity", is_open=False):
-            self.sweep_setting = widgets.dropdown("Setting", tuple(sweep_titles().values()))
-            self.sweep_quantity = widgets.dropdown(
-                "Quantity", tuple(SWEPT_QUANTITIES.values()), on_change=lambda _: self.show_sweep()
-            )
-            self.start = widgets.button(
-                "Sweep over its range",
-                self.sweep,
-                icon=viser.Icon.CHART_LINE,
-                hint="Measures at values over the whole range: a good setting lies on a plateau.",
-            )
-            self.stop = widgets.button(
-                "Stop the sweep", self.stop_sweep, icon=viser.Icon.PLAYER_STOP, is_quiet=True, is_visible=False
-            )
-            self.swept = widgets.html()
-
     def close(self) -> None:
-        """End the threads."""
-        self.cancel()
+        """End the thread."""
         self._runs.close()
-        self._sweeps.close()
 
     def cancel(self) -> None:
-        """Stop what is being measured to be compared, and the sweep; what has been measured stays shown."""
-        self._stop_run.set()
-        self._stop_sweep.set()
+        """Stop what is being measured to be compared."""
+        self._runs.stop()
 
     # Results to compare.
 
@@ -180,10 +147,9 @@ class RunComparison:
         self.run_name.value = _next_name([each.name for each in self._editor.work.runs])
 
     def show(self) -> None:
-        """List the results, and show the differences between the chosen ones; the sweep too, in the present unit."""
+        """List the results, and show the differences between the chosen ones."""
         with self._desk.lock:
             shown = self._desk.shown
-            self._show_sweep_of(shown)
             if shown is not None:
                 self._history.record(shown.inspection)
             choices = {choice.key: choice for choice in self._choices()}
@@ -221,10 +187,6 @@ class RunComparison:
             menu.value = chosen
         self._tools.visible = self.menu_b.visible = a != NO_RUN
 
-    def _show_sweeping(self, is_sweeping: bool) -> None:
-        """Offer to stop the sweep while it runs, and to start one otherwise."""
-        self.start.visible, self.stop.visible = not is_sweeping, is_sweeping
-
     def _find(self, shown: Shown, params: Params) -> Inspection | str | None:
         """Return the result of settings on the present scan, why there is none, or None where it is not known yet."""
         if shown.inspection.params == params:
@@ -238,11 +200,10 @@ class RunComparison:
         wanted = (shown.inspection.scan.sha256, params)
         if self._asked == wanted:
             return
-        self._stop_run.set()
-        self._asked, self._stop_run = wanted, threading.Event()
-        self._runs.submit(partial(self._measure, shown, params, self._stop_run))
+        self._asked = wanted
+        self._runs.start(partial(self._measure, shown, params))
 
-    def _measure(self, shown: Shown, params: Params, stop: threading.Event) -> None:
+    def _measure(self, shown: Shown, params: Params, job: SideJob) -> None:
         sha256 = shown.inspection.scan.sha256
         # Of what nobody foresaw, which goes to the log.
         outcome: Inspection | str = "an internal error; the server's log has the details"
@@ -250,10 +211,10 @@ class RunComparison:
             scan = shown.scan
             if params.unit != shown.inspection.params.unit:
                 # The same numbers of the file are other metres.
-                scan = self._workshop.read(self._keeper.scan, params.unit, self._is_wanted(stop))
+                scan = self._workshop.read(self._keeper.scan, params.unit, job.is_wanted)
             if scan.sha256 != sha256:
                 raise ConfigError(f"{shown.label} has changed since; press Run again")
-            outcome = inspect(scan, params, self._memo(stop))
+            outcome = inspect(scan, params, job.memo)
         except Cancelled:
             outcome = _CANCELLED
         except StairError as error:
@@ -261,7 +222,7 @@ class RunComparison:
         finally:
             with self._desk.lock:
                 # If it is not the last that was asked for, it was given up for that.
-                if self._stop_run is stop:
+                if self._runs.is_last(job):
                     self._asked = None
                     self._remember(sha256, params, outcome)
                     if not self._desk.is_closed:
@@ -306,108 +267,6 @@ class RunComparison:
                 taken.add(title)
                 choices.append(_Choice(title, run.params, number=run.number))
         return tuple(choice for choice in choices if choice.title not in (NO_RUN, AS_SHOWN))
-
-    # Sweeps.
-
-    def sweep(self) -> None:
-        """Measure at values over the whole range of the chosen setting."""
-        shown = self._desk.result("sweep")
-        name = next((key for key, title in sweep_titles().items() if title == self.sweep_setting.value), None)
-        if name is None:
-            raise ConfigError("sweep: choose a setting of the menu")
-        with self._desk.lock:
-            self._stop_sweep.set()
-            self._stop_sweep = stop = threading.Event()
-            self._show_sweeping(True)
-        self._sweeps.submit(lambda: self._measure_sweep(shown, name, stop))
-
-    def stop_sweep(self) -> None:
-        """End the sweep; what has been measured stays shown."""
-        self._stop_sweep.set()
-
-    def show_sweep(self) -> None:
-        """Draw the sweep, as far as it has come, for the chosen quantity."""
-        quantity = self._quantity()
-        if quantity is None:
-            raise ConfigError("sweep: choose a quantity of the menu")
-        with self._desk.lock:
-            self._show_sweep_of(self._desk.shown)
-
-    def _show_sweep_of(self, shown: Shown | None) -> None:
-        """Draw the sweep of the scan that is shown; another scan's is dropped, and stopped."""
-        sha256 = shown.inspection.scan.sha256 if shown is not None else ""
-        if self._sweep is None:
-            return
-        swept, found = self._sweep
-        if swept != sha256:
-            self._stop_sweep.set()
-            self._sweep = None
-            self.swept.content = ""
-            return
-        quantity = self._quantity()
-        if quantity is not None:
-            self.swept.content = sweep_html(found, quantity, self._desk.unit)
-
-    def _quantity(self) -> str | None:
-        chosen = self.sweep_quantity.value
-        return next((key for key, title in SWEPT_QUANTITIES.items() if title == chosen), None)
-
-    def _measure_sweep(self, shown: Shown, name: str, stop: threading.Event) -> None:
-        sha256 = shown.inspection.scan.sha256
-
-        def is_wanted() -> bool:
-            now = self._desk.shown
-            return self._is_wanted(stop)() and now is not None and now.inspection.scan.sha256 == sha256
-
-        def tell(found: Sweep) -> None:
-            with self._desk.lock:
-                if is_wanted():
-                    self._sweep = (sha256, found)
-                    self._show_sweep_of(self._desk.shown)
-
-        try:
-            tell(sweep(shown.scan, shown.inspection.params, name, self._memo(stop), is_wanted, tell))
-        finally:
-            with self._desk.lock:
-                if self._stop_sweep is stop and not self._desk.is_closed:
-                    self._show_sweeping(False)
-
-    # The threads.
-
-    def _is_wanted(self, stop: threading.Event) -> Callable[[], bool]:
-        # Runs of the page itself come first: these wait for nobody and are only stopped.
-        return lambda: not (stop.is_set() or self._desk.is_closed)
-
-    def _memo(self, stop: threading.Event) -> Memo:
-        is_wanted = self._is_wanted(stop)
-
-        def heavy(function: Callable[..., T], *inputs: object) -> T:
-            made: T = self._workshop.heavy(function, *inputs, is_wanted=is_wanted)
-            return made
-
-        def on_stage(_: str) -> None:
-            if not is_wanted():
-                raise Cancelled
-
-        return Memo(heavy, on_stage)
-
-    def _run(self, job: Callable[[], None]) -> None:
-        try:
-            job()
-        except Cancelled:
-            return
-        except StairError as error:
-            self._desk.notices.tell("Not done", str(error), is_failure=True)
-        except Exception:  # noqa: BLE001 - the outermost frame of this thread
-            self._desk.notices.log("a comparison or a sweep failed")
-            self._desk.notices.tell(
-                "Not done", "an internal error stopped this; the server's log has the details", is_failure=True
-            )
-
-
-def sweep_titles() -> dict[str, str]:
-    """Return the settings that can be swept, by dotted name, with their titles on the page."""
-    return {name: SETTINGS.setting(name).called for name in SETTINGS.swept()}
 
 
 def _next_name(taken: list[str]) -> str:

@@ -13,6 +13,7 @@ from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.compute.heavy_process import Cancelled
 from stair_inspector.viewer.parts.desk import Shown
 from stair_inspector.viewer.parts.tune.runs import AS_SHOWN, NO_RUN, RunComparison
+from stair_inspector.viewer.parts.tune.sweeping import SweepTool
 from tests.synthetic import Stair, exact_params
 
 LONG_S = 20.0
@@ -96,16 +97,16 @@ def page(measured):
     desk, editor = Desk(Shown("stair.ply", scan, None, inspection)), Editor()
     workshop = Workshop({"mm": scan})
     keeper = SimpleNamespace(scan="folder/stair.ply")
-    comparing = RunComparison(
-        SimpleNamespace(desk=desk, editor=editor, keeper=keeper, workshop=workshop, widgets=Widgets())
-    )
-    comparing.sweep_setting.value, comparing.sweep_quantity.value = "m", "Mean rise"
+    context = SimpleNamespace(desk=desk, editor=editor, keeper=keeper, workshop=workshop, widgets=Widgets())
+    comparing, sweeps = RunComparison(context), SweepTool(context)
+    sweeps.setting.value, sweeps.quantity.value = "m", "Mean rise"
     editor.comparing = comparing
     comparing.show()
-    yield SimpleNamespace(desk=desk, editor=editor, workshop=workshop, comparing=comparing, scan=scan)
+    yield SimpleNamespace(desk=desk, editor=editor, workshop=workshop, comparing=comparing, sweeps=sweeps, scan=scan)
     desk.is_closed = True
     workshop.gate.set()
     comparing.close()
+    sweeps.close()
 
 
 def await_true(condition):
@@ -125,6 +126,7 @@ def show_result(page, **changes):
     inspection = dataclasses.replace(shown.inspection, **changes)
     page.desk.shown = dataclasses.replace(shown, inspection=inspection, scan=changes.get("scan", shown.scan))
     page.comparing.show()
+    page.sweeps.show()
 
 
 def with_m(value):
@@ -225,37 +227,37 @@ def test_a_sweep_is_not_dropped_for_a_comparison_nor_held_up_by_one(page):
     page.comparing.keep("one")
     page.comparing._made.clear()
     page.workshop.gate.clear()
-    page.comparing.sweep()
+    page.sweeps.start()
     await_true(lambda: page.workshop.n_heavy == 1)
     show_result(page, params=with_m(90))
-    page.comparing.sweep()
+    page.sweeps.start()
     show_result(page, params=with_m(91))
     page.workshop.gate.set()
     await_true(lambda: "comparison-table" in page.comparing.comparison.content)
-    await_true(lambda: 'data-complete="true"' in page.comparing.swept.content)
-    await_true(lambda: not page.comparing.stop.visible)
+    await_true(lambda: 'data-complete="true"' in page.sweeps.swept.content)
+    await_true(lambda: not page.sweeps.stop.visible)
 
 
 def test_a_sweep_that_is_stopped_offers_the_next(page):
     page.workshop.gate.clear()
-    page.comparing.sweep()
+    page.sweeps.start()
     await_true(lambda: page.workshop.n_heavy == 1)
-    assert page.comparing.stop.visible
-    page.comparing.stop_sweep()
-    await_true(lambda: not page.comparing.stop.visible)
+    assert page.sweeps.stop.visible
+    page.sweeps.cancel()
+    await_true(lambda: not page.sweeps.stop.visible)
 
 
 @pytest.mark.slow
 def test_the_sweep_is_in_the_present_unit_and_goes_with_its_scan(page):
-    page.comparing.sweep()
-    await_true(lambda: 'data-complete="true"' in page.comparing.swept.content)
-    assert ">mm</text>" in page.comparing.swept.content
+    page.sweeps.start()
+    await_true(lambda: 'data-complete="true"' in page.sweeps.swept.content)
+    assert ">mm</text>" in page.sweeps.swept.content
     page.desk.unit = "in"
-    page.comparing.show()
-    assert ">in</text>" in page.comparing.swept.content
+    page.sweeps.show()
+    assert ">in</text>" in page.sweeps.swept.content
     scan = page.desk.shown.inspection.scan
     show_result(page, scan=dataclasses.replace(scan, sha256="f" * 64))
-    assert page.comparing.swept.content == ""
+    assert page.sweeps.swept.content == ""
     assert titles_of(page) == ("#2 first result, 5 steps",), "the history is that of the scan"
 
 
