@@ -7,8 +7,9 @@ import pytest
 from pypdf import PdfReader
 
 from stair_inspector.codes import RuleEdit
-from stair_inspector.codes.limits import Limit
-from stair_inspector.content.fields import ReportBasis, ReportFields, basis_to_dict
+from stair_inspector.codes.rules import Limit
+from stair_inspector.content.basis_files import basis_to_dict
+from stair_inspector.content.fields import ReportBasis, ReportFields
 from stair_inspector.content.readings import TapeReading
 from stair_inspector.files.chosen_rules import ChosenRules
 from stair_inspector.files.project_files import save_project

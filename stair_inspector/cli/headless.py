@@ -113,7 +113,8 @@ def basis_asked_for(options: Headless, command: str, project: "Project | None") 
         if options.fields:
             raise ConfigError(f"{command}: got --fields without --report; give both")
         return None
-    from stair_inspector.content.fields import ReportBasis, read_basis
+    from stair_inspector.content.basis_files import read_basis
+    from stair_inspector.content.fields import ReportBasis
     from stair_inspector.content.project_basis import basis_of, titled
 
     if project is None:

@@ -101,7 +101,7 @@ def run(args: list[str]) -> int:
 
 def _basis_of_all(path: Path) -> "ReportBasis":
     """Return what the reports on all stairs begin with."""
-    from stair_inspector.content.fields import entries_of_one_stair, read_basis
+    from stair_inspector.content.basis_files import entries_of_one_stair, read_basis
 
     basis = read_basis(path)
     names = entries_of_one_stair(basis)

@@ -3,8 +3,6 @@
 import dataclasses
 from collections.abc import Iterable
 from datetime import datetime
-from decimal import Decimal
-from typing import Any
 
 from stair_inspector import __version__
 from stair_inspector.codes.findings import DECISIONS, Check
@@ -13,27 +11,23 @@ from stair_inspector.content.document import (
     EMPTY,
     Block,
     Bullets,
-    Cell,
     Column,
     Document,
     Facts,
     Figure,
     KeyFigure,
     KeyFigures,
-    Number,
     Paragraph,
     Section,
     Signatures,
-    Table,
     plain,
 )
 from stair_inspector.content.examination import examination_table
 from stair_inspector.content.fields import FIELD_GROUPS, ReportBasis, ReportFields
 from stair_inspector.content.note_words import note_words
-from stair_inspector.content.records import overrule_records
-from stair_inspector.declarations import Knob
+from stair_inspector.content.settings_tables import overrules_table, settings_table
+from stair_inspector.content.uncertainty_words import uncertainty_sentences
 from stair_inspector.model import Inspection, Statistics
-from stair_inspector.params import SETTINGS, Params
 from stair_inspector.units import tidy
 
 _TITLE = "Stair survey report"
@@ -92,7 +86,7 @@ def build_document(
         (_SIGN_OFF, _sign_off(basis)),
     ]
     appendices: list[tuple[str, list[Block]]] = [
-        ("Settings and decisions", _settings(inspection)),
+        ("Settings and decisions", [overrules_table(inspection), settings_table(inspection.params)]),
         ("Notes of the measurement", [grounds.notes_table(inspection)]),
         # Heights of treads are rises by a subtraction.
         ("Surfaces found in the scan", [] if inspection.is_withheld else [grounds.surfaces_table(inspection)]),
@@ -314,7 +308,7 @@ def _closure(inspection: Inspection, basis: ReportBasis) -> list[Block]:
 
 
 def _accuracy(inspection: Inspection) -> list[Block]:
-    sentences: list[Block] = [Paragraph(sentence) for sentence in wording.uncertainty_sentences(inspection)]
+    sentences: list[Block] = [Paragraph(sentence) for sentence in uncertainty_sentences(inspection)]
     return [*sentences, *([grounds.budget_table(inspection)] if _has_values(inspection) else [])]
 
 
@@ -345,63 +339,3 @@ def _sign_off(basis: ReportBasis) -> list[Block]:
         "the scan named by its SHA-256; the texts, readings and photographs are the inspector's."
     )
     return [Paragraph(words), Signatures((("Inspector", inspector), ("Reviewer", reviewer)))]
-
-
-def _settings(inspection: Inspection) -> list[Block]:
-    return [_overrules_table(inspection), _settings_table(inspection.params)]
-
-
-def _overrules_table(inspection: Inspection) -> Table:
-    """Return what the inspector decided instead of the program, with reasons, as the JSON lists it."""
-    rows: list[tuple[Cell, ...]] = []
-    for entry in overrule_records(inspection.params):
-        rest = {name: value for name, value in entry.items() if name not in ("what", "kind", "reason")}
-        decided = entry.get("kind") or "; ".join(f"{name} {value}" for name, value in rest.items())
-        rows.append((plain(entry["what"]), plain(decided), plain(entry.get("reason") or "")))
-    columns = (Column("What", width=2.0), Column("Decided", width=2.0), Column("Reason", width=3.0))
-    return Table(
-        "overrules",
-        "What the inspector decided instead of the program",
-        columns,
-        tuple(rows),
-        empty="The inspector overruled nothing: no step was added, taken away or fitted again by hand.",
-    )
-
-
-def _settings_table(params: Params) -> Table:
-    """Return every setting with its default; those that differ are marked."""
-    columns = (
-        Column("Setting", width=2.0),
-        Column("Meaning", width=2.0),
-        Column("Value", digits=0),
-        Column("Unit"),
-        Column("Default", digits=0),
-        Column("Changed"),
-    )
-    defaults = Params()
-    rows: list[tuple[Cell, ...]] = []
-    for name, declared in SETTINGS.items():
-        knob, value, default = declared.knob, params.value(name), defaults.value(name)
-        label = "" if knob is None else f"{knob.title} {knob.symbol}".strip()
-        rows.append(
-            (
-                name,
-                label,
-                _setting_cell(value, knob),
-                "" if knob is None else knob.unit.symbol,
-                _setting_cell(default, knob),
-                "" if value == default else "changed",
-            )
-        )
-    note = (
-        "The numbers of this report are those of these settings: the same scan with the same settings gives them again."
-    )
-    return Table("settings", "Settings", columns, tuple(rows), note)
-
-
-def _setting_cell(value: Any, knob: Knob | None) -> Cell:
-    if knob is None or isinstance(value, (str, bool)):
-        return plain(value) or "(empty)"
-    shown = knob.shown(float(value))
-    exponent = Decimal(repr(shown)).normalize().as_tuple().exponent
-    return Number(shown, max(0, -exponent) if isinstance(exponent, int) else 0)

@@ -2,7 +2,8 @@
 
 import dataclasses
 
-from stair_inspector.content.fields import ReportBasis, ReportFields, basis_from_dict
+from stair_inspector.content.basis_files import basis_from_dict
+from stair_inspector.content.fields import ReportBasis, ReportFields
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.projects import Project
 

@@ -8,12 +8,13 @@ from stair_inspector.content.document import Figure, plain
 from stair_inspector.content.order import Pictures
 from stair_inspector.drawings.sheets import plan_svgs, section_svgs
 from stair_inspector.model import Inspection, Scan
-from stair_inspector.pictures.charts import ChartedQuantity, nosing_charts, step_charts
-from stair_inspector.pictures.render import RenderedView, report_views
+from stair_inspector.pictures.chart_limits import ChartedQuantity
+from stair_inspector.pictures.nosing_charts import nosing_charts
+from stair_inspector.pictures.report_views import RenderedView, is_residual_map, report_views
+from stair_inspector.pictures.step_charts import step_charts
 
 _ON_FRONT = 2
 """So many views of half the width stand on the first page: the raw and the segmented scan."""
-_RESIDUALS = "residuals"
 
 
 def draw_pictures(
@@ -41,7 +42,7 @@ def draw_pictures(
     """
     if views is None:
         views = report_views(scan, inspection, f"{made_at:%Y-%m-%d}", title=title)
-    residuals = [view for view in views if view.key.startswith(_RESIDUALS)]
+    residuals = [view for view in views if is_residual_map(view)]
     others = [view for view in views if view not in residuals]
     front = [view for view in others if view.share <= 0.5][:_ON_FRONT]
     return Pictures(

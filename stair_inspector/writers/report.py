@@ -10,7 +10,7 @@ from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.order import build_document
 from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.model import Inspection, Scan
-from stair_inspector.pictures.render import RenderedView
+from stair_inspector.pictures.report_views import RenderedView
 from stair_inspector.writers.dxf import dxf_files
 from stair_inspector.writers.figures import draw_pictures
 from stair_inspector.writers.html import html_bytes

@@ -5,11 +5,8 @@ import io
 import pytest
 from PIL import Image
 
-from stair_inspector.content.fields import (
-    ReportBasis,
-    basis_from_dict,
-    basis_to_dict,
-)
+from stair_inspector.content.basis_files import basis_from_dict, basis_to_dict
+from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.images import Photo, read_logo, read_photo
 from stair_inspector.errors import ConfigError
 

@@ -12,12 +12,12 @@ from stair_inspector.content.fields import Checklist, ReportBasis, ReportFields
 from stair_inspector.content.images import Photo
 from stair_inspector.content.note_words import note_words
 from stair_inspector.content.rule_tables import by_step_table, results_table
+from stair_inspector.content.uncertainty_words import uncertainty_sentences
 from stair_inspector.content.wording import (
     changed_limits_sentence,
     limitation_sentences,
     outside_sentences,
     result_sentence,
-    uncertainty_sentences,
     verdict_of,
 )
 from stair_inspector.files.rule_sets import find_rule_set, list_rule_sets

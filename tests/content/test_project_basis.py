@@ -6,7 +6,8 @@ import io
 import pytest
 from PIL import Image
 
-from stair_inspector.content.fields import Checklist, ReportBasis, ReportFields, basis_to_dict
+from stair_inspector.content.basis_files import basis_to_dict
+from stair_inspector.content.fields import Checklist, ReportBasis, ReportFields
 from stair_inspector.content.images import read_logo
 from stair_inspector.content.project_basis import basis_of, titled
 from stair_inspector.content.readings import TapeReading

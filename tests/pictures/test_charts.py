@@ -13,8 +13,10 @@ from stair_inspector.codes.rule_sets import RuleSet, edited
 from stair_inspector.codes.rules import Rule
 from stair_inspector.model import Measured
 from stair_inspector.pictures import svg
-from stair_inspector.pictures.charts import ROWS_PER_PICTURE, STEPS_PER_ROW, nosing_charts, step_charts
+from stair_inspector.pictures.chart_axes import STEPS_PER_ROW
+from stair_inspector.pictures.nosing_charts import nosing_charts
 from stair_inspector.pictures.nosing_line import nosing_line
+from stair_inspector.pictures.step_charts import ROWS_PER_PICTURE, step_charts
 from tests.content.staircases import staircase
 
 SVG = "{http://www.w3.org/2000/svg}"

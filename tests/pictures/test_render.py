@@ -16,7 +16,9 @@ from stair_inspector.files.palettes import read_palette
 from stair_inspector.model import Scan
 from stair_inspector.pictures.coloring import DIVERGING
 from stair_inspector.pictures.display import choose_display
-from stair_inspector.pictures.render import _Camera, _camera_of, render_view, report_views
+from stair_inspector.pictures.picture_camera import PictureCamera, camera_of
+from stair_inspector.pictures.render import render_view
+from stair_inspector.pictures.report_views import report_views
 from stair_inspector.pictures.residual_sheets import residual_sheets
 from stair_inspector.pictures.segmentation import view_from_local
 from tests.synthetic import rotation
@@ -59,7 +61,7 @@ def _head_rows(width):
 def place_of(inspection, scan, view, point, size=SIZE):
     """The pixel of a point, by the camera that the view has."""
     turn = view_from_local(inspection)
-    camera = _camera_of(inspection, choose_display(scan), view, turn, size)
+    camera = camera_of(inspection, choose_display(scan), view, turn, size)
     (place,), _, _ = camera.look((turn @ point)[None])
     return round(float(place[1])), round(float(place[0]))
 
@@ -154,7 +156,7 @@ def test_what_hangs_over_the_stair_does_not_cover_it_from_above(stair):
 def test_the_scale_bar_is_as_long_as_it_says(stair):
     scan, inspection = stair
     turn = view_from_local(inspection)
-    camera = _camera_of(inspection, choose_display(scan), "Top", turn, SIZE)
+    camera = camera_of(inspection, choose_display(scan), "Top", turn, SIZE)
     left, right = (camera.look((turn @ end)[None])[0][0] for end in inspection.steps[0].nosing)
     assert math.dist(left, right) == pytest.approx(WIDTH * camera.pixels_per_m, rel=1e-9)
     picture = opened(render_view(scan, inspection, "Top", "Segmented", SIZE, DATE, title="T"))
@@ -170,7 +172,7 @@ def test_a_parallel_view_keeps_lengths_at_every_depth_and_home_does_not(stair):
     turn = view_from_local(inspection)
     lengths = {}
     for view in ("Front", "Home"):
-        camera = _camera_of(inspection, choose_display(scan), view, turn, SIZE)
+        camera = camera_of(inspection, choose_display(scan), view, turn, SIZE)
         ends = [camera.look(step.nosing @ turn.T)[0] for step in (inspection.steps[0], inspection.steps[4])]
         lengths[view] = [math.dist(*pair) for pair in ends]
     assert lengths["Front"][0] == pytest.approx(lengths["Front"][1], rel=1e-9)
@@ -181,7 +183,7 @@ def test_what_is_behind_the_eye_is_not_drawn():
     from stair_inspector.pictures.cameras import Pose
 
     pose = Pose(np.array([0.0, -2.0, 0.0]), np.zeros(3), np.array([0.0, 0.0, 1.0]))
-    camera = _Camera(pose, 100, 100, 50.0, is_parallel=False)
+    camera = PictureCamera(pose, 100, 100, 50.0, is_parallel=False)
     places, depths, _ = camera.look(np.array([[0.0, -3.0, 0.0], [0.0, 1.0, 0.0]]))
     assert np.isnan(places[0]).all()
     assert np.isnan(depths[0])

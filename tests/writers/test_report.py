@@ -5,7 +5,7 @@ import pytest
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.errors import WriteError
 from stair_inspector.params import Params
-from stair_inspector.pictures.render import RenderedView
+from stair_inspector.pictures.report_views import RenderedView
 from stair_inspector.pipeline import inspect
 from stair_inspector.writers.report import drawing_bytes, make_report, report_paths, write_report
 from tests.writers.samples import BASIS, MADE_AT, checked, formats, scanned

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Unpack
 
-from stair_inspector.content.fields import basis_to_dict
+from stair_inspector.content.basis_files import basis_to_dict
 from stair_inspector.errors import StairError, WriteError
 from stair_inspector.files.project_files import save_project
 from stair_inspector.files.projects import Project

@@ -12,7 +12,7 @@ from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.project_basis import titled
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Inspection
-from stair_inspector.pictures.render import RenderedView
+from stair_inspector.pictures.report_views import RenderedView
 from stair_inspector.viewer.compute.jobs import Tell
 from stair_inspector.viewer.parts.desk import Shown
 from stair_inspector.viewer.parts.export.scene_views import SceneViews

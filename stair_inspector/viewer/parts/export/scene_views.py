@@ -13,7 +13,7 @@ from stair_inspector.pictures.cameras import FOV_RAD, ORTHO_FOV_RAD, Pose, View,
 from stair_inspector.pictures.coloring import ColorMode, color_points
 from stair_inspector.pictures.legends import Legend, line_entries
 from stair_inspector.pictures.picture import Caption, Scale, picture_png, scale_of
-from stair_inspector.pictures.render import RenderedView, is_residual_map, report_views, residual_views
+from stair_inspector.pictures.report_views import RenderedView, is_residual_map, report_views, residual_views
 from stair_inspector.pictures.segmentation import draw
 from stair_inspector.viewer.parts.desk import Shown
 from stair_inspector.viewer.parts.part import Context

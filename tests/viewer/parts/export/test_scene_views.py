@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.pictures.cameras import FOV_RAD, Pose
-from stair_inspector.pictures.render import is_residual_map
+from stair_inspector.pictures.report_views import is_residual_map
 from stair_inspector.viewer.parts.export import scene_views
 from stair_inspector.viewer.parts.studio import place_camera
 from stair_inspector.viewer.scene.stage import MODES

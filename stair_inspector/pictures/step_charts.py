@@ -1,43 +1,42 @@
-"""Charts of a staircase as SVG for print: rise and going of every step with their limits, and the line of its nosings.
+"""Charts of rise and going as SVG for print: a bar for every step, with the limits of a rule set.
 
-``step_charts(inspection, "rise", check)`` are one picture for most stairs, more where one would be taller than a page;
-``nosing_charts(inspection)`` are a picture for each flight.
+``step_charts(inspection, "rise", check)`` are one picture for most stairs, more where one would be taller than a page.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
-
-import numpy as np
 
 from stair_inspector.codes.findings import Check, Verdict, gravest
-from stair_inspector.codes.limits import Limit
-from stair_inspector.codes.phrases import limit_words
-from stair_inspector.codes.rules import Rule
-from stair_inspector.model import Flight, Inspection, Measured, Statistics, Step
+from stair_inspector.model import Inspection, Measured, Statistics, Step
 from stair_inspector.pictures import svg
-from stair_inspector.pictures.nosing_line import NosingLine, nosing_line
-from stair_inspector.units import round_ticks, tidy, u_text
+from stair_inspector.pictures.chart_axes import (
+    ABOVE,
+    BELOW,
+    KEY_LINE,
+    LEAST_SPAN_MM,
+    LEFT,
+    PLOT,
+    RIGHT,
+    STEPS_PER_ROW,
+    ChartScale,
+    axis_svg,
+)
+from stair_inspector.pictures.chart_limits import (
+    ChartedQuantity,
+    LimitLine,
+    limit_line_svg,
+    limit_line_words,
+    limits_of,
+)
+from stair_inspector.units import tidy, u_text
 
-ChartedQuantity = Literal["rise", "going"]
-
-STEPS_PER_ROW = 22
-"""So many values stand beside each other and can be read where the picture is as wide as a page."""
 ROWS_PER_PICTURE = 4
-_LEFT, _RIGHT = 34.0, 20.0
-_ABOVE, _PLOT, _BELOW = 14.0, 100.0, 32.0
-"""Of each row: room for the flight's name, the plot itself, and room for the steps' numbers and marks."""
-_LEAST_SPAN_MM = 12.0
-"""The scale is never finer than this: noise must not look like a defect."""
 _NEAR_MM = 45.0
 """A limit so near to the values is drawn; one farther away is named below the chart."""
 _HEADROOM = 0.16
 """Share of the plot that stays free above the highest value, for its words."""
 _WORDS_ABOVE, _WORDS_BELOW = 5.6, 1.8
 """A line nearer to the base line of a value's words than this, above or below it, runs through or along them."""
-_ROOM_FOR_WORDS = 1.45
-"""The scale of a nosing chart reaches so many times as far as its points, whose words stand beyond them."""
-_KEY = 10.5
 _BAR_SHARE = 0.6
 _LOUD = (Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE, Verdict.WITHIN_CLOSE)
 
@@ -52,38 +51,14 @@ class _Bar:
 
 
 @dataclass(frozen=True, slots=True)
-class _LimitLine:
-    """A limit to be drawn, or named where it lies far away; ``tag`` is its letter in the key."""
-
-    tag: str
-    side: Literal["minimum", "maximum"]
-    limit: Limit
-    rule: Rule
-
-
-@dataclass(frozen=True, slots=True)
-class _Scale:
-    """Millimetres to points of a row whose plot begins at ``top``."""
-
-    low_mm: float
-    high_mm: float
-    top: float
-    plot: float
-
-    def y(self, value_mm: float) -> float:
-        share = (value_mm - self.low_mm) / (self.high_mm - self.low_mm)
-        return self.top + self.plot * (1.0 - min(max(share, 0.0), 1.0))
-
-
-@dataclass(frozen=True, slots=True)
 class _Row:
-    """Bars side by side: each a slot of ``slot`` points from ``_LEFT``."""
+    """Bars side by side: each a slot of ``slot`` points from ``LEFT``."""
 
     bars: tuple[_Bar, ...]
     slot: float
 
     def x(self, index: int) -> float:
-        return _LEFT + (index + 0.5) * self.slot
+        return LEFT + (index + 0.5) * self.slot
 
 
 def step_charts(inspection: Inspection, quantity: ChartedQuantity, check: Check | None = None) -> tuple[str, ...]:
@@ -111,31 +86,19 @@ def step_charts(inspection: Inspection, quantity: ChartedQuantity, check: Check 
     bars = _bars_of(inspection, quantity, check)
     if all(bar.measured is None for bar in bars):
         return ()
-    limits = _limits_of(quantity, check)
+    limits = limits_of(quantity, check)
     low, high = _span(bars, limits)
     near = [limit for limit in limits if low <= limit.limit.value * 1000.0 <= high]
     far = [limit for limit in limits if limit not in near]
     n_rows = -(-len(bars) // STEPS_PER_ROW)
     per_row = -(-len(bars) // n_rows)
     # A chart of few steps has no bars as wide as houses.
-    slot = (svg.PAGE - _LEFT - _RIGHT) / max(per_row, 10)
+    slot = (svg.PAGE - LEFT - RIGHT) / max(per_row, 10)
     rows = [_Row(tuple(bars[start : start + per_row]), slot) for start in range(0, len(bars), per_row)]
     return tuple(
         _step_chart(inspection, quantity, check, rows[start : start + ROWS_PER_PICTURE], (low, high), near, far)
         for start in range(0, len(rows), ROWS_PER_PICTURE)
     )
-
-
-def nosing_charts(inspection: Inspection) -> tuple[tuple[Flight, str], ...]:
-    """Return for each flight how far its nosings lie off their best-fit line, as SVG pictures.
-
-    A flight of fewer than three known nosings has none: two always lie on one line.
-    """
-    found = [(flight, nosing_line(inspection, flight)) for flight in inspection.flights]
-    return tuple((flight, _nosing_chart(flight, line)) for flight, line in found if line is not None)
-
-
-# Bars.
 
 
 def _bars_of(inspection: Inspection, quantity: ChartedQuantity, check: Check | None) -> list[_Bar]:
@@ -155,28 +118,7 @@ def _verdict_of(step: Step, quantity: ChartedQuantity, check: Check | None) -> V
     return gravest(own).verdict if own else None
 
 
-def _limits_of(quantity: ChartedQuantity, check: Check | None) -> list[_LimitLine]:
-    """Return the limits on every single step, the highest first, one line for each place."""
-    if check is None:
-        return []
-    rules = [
-        rule
-        for rule in check.rule_set.rules
-        if rule.quantity == quantity and rule.statistic == "each" and rule.severity != "report_only"
-    ]
-    found: list[tuple[Literal["minimum", "maximum"], Limit, Rule]] = []
-    for rule in rules:
-        found += [("minimum", rule.minimum, rule)] if rule.minimum is not None else []
-        found += [("maximum", rule.maximum, rule)] if rule.maximum is not None else []
-    found.sort(key=lambda item: (-item[1].value, item[0]))
-    return [_LimitLine(_letter(index), *item) for index, item in enumerate(found)]
-
-
-def _letter(index: int) -> str:
-    return chr(ord("A") + index) if index < 26 else str(index + 1)
-
-
-def _span(bars: Sequence[_Bar], limits: Sequence[_LimitLine]) -> tuple[float, float]:
+def _span(bars: Sequence[_Bar], limits: Sequence[LimitLine]) -> tuple[float, float]:
     """Return the ends of the scale, millimetres: all values with their doubt, and the limits near them."""
     known = [bar.measured for bar in bars if bar.measured is not None]
     low = min(measured.value - measured.u for measured in known) * 1000.0
@@ -184,7 +126,7 @@ def _span(bars: Sequence[_Bar], limits: Sequence[_LimitLine]) -> tuple[float, fl
     places = [limit.limit.value * 1000.0 for limit in limits]
     near = [place for place in places if low - _NEAR_MM <= place <= high + _NEAR_MM]
     low, high = min([low, *near]), max([high, *near])
-    span = max(high - low, _LEAST_SPAN_MM)
+    span = max(high - low, LEAST_SPAN_MM)
     middle = (low + high) / 2.0
     return middle - 0.72 * span, middle + (0.5 + _HEADROOM) * span
 
@@ -195,15 +137,15 @@ def _step_chart(
     check: Check | None,
     rows: Sequence[_Row],
     span: tuple[float, float],
-    near: Sequence[_LimitLine],
-    far: Sequence[_LimitLine],
+    near: Sequence[LimitLine],
+    far: Sequence[LimitLine],
 ) -> str:
-    pitch = _ABOVE + _PLOT + _BELOW
+    pitch = ABOVE + PLOT + BELOW
     parts = [_hatch()]
     for index, row in enumerate(rows):
-        scale = _Scale(*span, index * pitch + _ABOVE, _PLOT)
-        parts.append(_axis(scale, f"{quantity} [mm]"))
-        parts += [_limit_line(limit, scale) for limit in near]
+        scale = ChartScale(*span, index * pitch + ABOVE, PLOT)
+        parts.append(axis_svg(scale, f"{quantity} [mm]"))
+        parts += [limit_line_svg(limit, scale) for limit in near]
         parts += _flight_lines(inspection, quantity, row, scale)
         lines = _lines_behind(inspection, quantity, near, scale)
         parts += [
@@ -213,27 +155,14 @@ def _step_chart(
         parts += _brackets(inspection, quantity, check, row, scale)
     y = len(rows) * pitch + 2.0
     for words in _key_of(rows, near, far, check):
-        parts.append(words.at(_LEFT, y + 7.0))
-        y += _KEY
+        parts.append(words.at(LEFT, y + 7.0))
+        y += KEY_LINE
     first, last = rows[0].bars[0].step.step_id, rows[-1].bars[-1].step.step_id
     return svg.picture(svg.PAGE, y + 2.0, f"{quantity} of steps {first} to {last}, millimetres", "".join(parts))
 
 
-def _axis(scale: _Scale, title: str) -> str:
-    right, bottom = svg.PAGE - _RIGHT, scale.top + scale.plot
-    parts = []
-    for digits, value in round_ticks(scale.low_mm, scale.high_mm - scale.low_mm, 5.0):
-        y = scale.y(value)
-        parts.append(svg.line(_LEFT, y, right, y, svg.GRID, 0.5))
-        parts.append(svg.text_element(_LEFT - 4.0, y + 2.2, _signed(f"{value:.{digits}f}"), "end", 6.5, svg.DIM))
-    parts.append(svg.line(_LEFT, bottom, right, bottom, svg.INK, 0.7))
-    middle = scale.top + scale.plot / 2.0
-    parts.append(svg.text_element(8.0, middle, title, "middle", 6.5, svg.DIM, turn_deg=-90.0))
-    return "".join(parts)
-
-
 def _lines_behind(
-    inspection: Inspection, quantity: ChartedQuantity, near: Sequence[_LimitLine], scale: _Scale
+    inspection: Inspection, quantity: ChartedQuantity, near: Sequence[LimitLine], scale: ChartScale
 ) -> dict[int | None, list[float]]:
     """Return where lines cross the bars of each flight: its limits and its mean, points from the top."""
     limits = [scale.y(limit.limit.value * 1000.0) for limit in near]
@@ -252,7 +181,7 @@ def _free_of(lines: Sequence[float], base: float) -> float:
     return base
 
 
-def _bar(bar: _Bar, x: float, slot: float, scale: _Scale, lines: Sequence[float]) -> str:
+def _bar(bar: _Bar, x: float, slot: float, scale: ChartScale, lines: Sequence[float]) -> str:
     bottom = scale.top + scale.plot
     number = svg.text_element(x, bottom + 9.0, bar.step.step_id, "middle", 7.0)
     if bar.measured is None:
@@ -296,10 +225,6 @@ def _value_text(value_mm: float) -> str:
     return f"{tidy(value_mm, 1):.1f}"
 
 
-def _signed(number: str) -> str:
-    return number.replace("-", "−")
-
-
 def _mark(verdict: Verdict, x: float, y: float) -> str:
     """Return the sign of a verdict that is not plainly within, centred at a place: seen without colours too."""
     r = 2.5
@@ -312,19 +237,7 @@ def _mark(verdict: Verdict, x: float, y: float) -> str:
     return ring.format(r=2.6, color=svg.CLOSE) if verdict is Verdict.WITHIN_CLOSE else ""
 
 
-def _limit_line(limit: _LimitLine, scale: _Scale) -> str:
-    y, right = scale.y(limit.limit.value * 1000.0), svg.PAGE - _RIGHT
-    beyond = scale.top if limit.side == "maximum" else scale.top + scale.plot
-    zone = (
-        f'<rect x="{_LEFT:.2f}" y="{min(y, beyond):.2f}" width="{right - _LEFT:.2f}" height="{abs(beyond - y):.2f}" '
-        f'fill="{svg.ALERT}" fill-opacity="0.05"/>'
-    )
-    dashes = ' stroke-dasharray="5 2"' if limit.side == "maximum" else ' stroke-dasharray="1.5 2"'
-    tag = svg.text_element(right + 3.0, y + 2.4, limit.tag, "start", 7.0, svg.ALERT, is_bold=True)
-    return zone + svg.line(_LEFT, y, right, y, svg.ALERT, 0.9, dashes) + tag
-
-
-def _flight_lines(inspection: Inspection, quantity: ChartedQuantity, row: _Row, scale: _Scale) -> list[str]:
+def _flight_lines(inspection: Inspection, quantity: ChartedQuantity, row: _Row, scale: ChartScale) -> list[str]:
     """Return each flight's name, mean and range over its bars, and a line at the mean."""
     parts = []
     for flight in inspection.flights:
@@ -347,7 +260,7 @@ def _flight_lines(inspection: Inspection, quantity: ChartedQuantity, row: _Row, 
 
 
 def _brackets(
-    inspection: Inspection, quantity: ChartedQuantity, check: Check | None, row: _Row, scale: _Scale
+    inspection: Inspection, quantity: ChartedQuantity, check: Check | None, row: _Row, scale: ChartScale
 ) -> list[str]:
     """Return a bracket over neighbours whose difference lies outside its limit, and over each flight's worst pair."""
     pairs: dict[tuple[int, int], bool] = {}
@@ -399,7 +312,7 @@ class _Key:
 
 
 def _key_of(
-    rows: Sequence[_Row], near: Sequence[_LimitLine], far: Sequence[_LimitLine], check: Check | None
+    rows: Sequence[_Row], near: Sequence[LimitLine], far: Sequence[LimitLine], check: Check | None
 ) -> list[_Key]:
     verdicts = {bar.verdict for row in rows for bar in row.bars}
     signs = [(verdict.value, verdict.words) for verdict in _LOUD if verdict in verdicts]
@@ -410,16 +323,9 @@ def _key_of(
         return keys
     changed = ", but for those set by the user" if check.rule_set.n_changed else ""
     keys.append(_Key([("", f"Limits: {check.rule_set.title}{changed}.")]))
-    keys += [_Key([(limit.tag, _limit_words(limit, check))]) for limit in near]
-    keys += [_Key([("", f"{_limit_words(limit, check)}, lies beyond the scale")]) for limit in far]
+    keys += [_Key([(limit.tag, limit_line_words(limit, check))]) for limit in near]
+    keys += [_Key([("", f"{limit_line_words(limit, check)}, lies beyond the scale")]) for limit in far]
     return keys
-
-
-def _limit_words(limit: _LimitLine, check: Check) -> str:
-    advice = ", advisory" if limit.rule.severity == "advisory" else ""
-    edit = check.rule_set.edit_of(limit.rule.rule_id, limit.side)
-    own = "" if edit is None else f" (set by the user; the code: {limit_words(edit.before)})"
-    return f"{limit.side} {limit.limit.text}{own}: {limit.rule.clause}, {limit.rule.term}{advice}"
 
 
 def _hatch() -> str:
@@ -428,60 +334,3 @@ def _hatch() -> str:
         f'<line x1="0" y1="0" x2="0" y2="4" stroke="{svg.ALERT}" stroke-width="1.2" stroke-opacity="0.55"/>'
         "</pattern></defs>"
     )
-
-
-# The line of the nosings.
-
-
-def _nosing_chart(flight: Flight, line: NosingLine) -> str:
-    ids = line.walk.step_ids
-    n_rows = -(-len(ids) // (2 * STEPS_PER_ROW))
-    per_row = -(-len(ids) // n_rows)
-    deviations, u = line.deviations_m * 1000.0, line.u_m * 1000.0
-    reach = (
-        max(float(np.abs(deviations).max() + np.nan_to_num(u).max(initial=0.0)), _LEAST_SPAN_MM / 4.0) * _ROOM_FOR_WORDS
-    )
-    slot = (svg.PAGE - _LEFT - _RIGHT) / max(per_row, 10)
-    parts, y = [], 0.0
-    for start in range(0, len(ids), per_row):
-        scale = _Scale(-reach, reach, y + _ABOVE, 84.0)
-        parts.append(_axis(scale, "off the line [mm]"))
-        parts.append(svg.line(_LEFT, scale.y(0.0), svg.PAGE - _RIGHT, scale.y(0.0), svg.ACCENT, 1.0))
-        shown = range(start, min(start + per_row, len(ids)))
-        places = [_LEFT + (k - start + 0.5) * slot for k in shown]
-        parts.append(svg.polyline([(x, scale.y(deviations[k])) for x, k in zip(places, shown, strict=True)], svg.DIM))
-        for x, k in zip(places, shown, strict=True):
-            parts.append(_nosing(ids[k], x, float(deviations[k]), float(u[k]), scale, slot))
-        y = scale.top + scale.plot + 14.0
-    bridged = [ids[k] for k in range(1, len(ids)) if not (line.walk.has_going[k] and line.walk.has_rise[k])]
-    words = [
-        f"flight {flight.flight_id}: best-fit line at {line.pitch_deg:.1f}° to the horizontal; + above it, − below it, "
-        "square to it. Whiskers: expanded uncertainty of the nosing (k = 2).",
-        "Steps: one nosing each, from bottom to top.",
-    ]
-    if bridged:
-        named = ", ".join(str(number) for number in bridged)
-        words.append(f"Not measured from the nosing before, placed by the nosings themselves: step {named}.")
-    for sentence in words:
-        parts.append(svg.text_element(_LEFT, y + 7.0, sentence, "start", 6.5, svg.DIM))
-        y += _KEY
-    title = f"deviation of the nosings of flight {flight.flight_id} from their best-fit line, millimetres"
-    return svg.picture(svg.PAGE, y + 2.0, title, "".join(parts))
-
-
-def _nosing(step_id: int, x: float, value: float, u: float, scale: _Scale, slot: float) -> str:
-    y, bottom = scale.y(value), scale.top + scale.plot
-    parts = [svg.line(x, scale.y(0.0), x, y, svg.FAINT, 0.8)]
-    if np.isfinite(u):
-        low, high = scale.y(value - u), scale.y(value + u)
-        parts += [svg.line(x, low, x, high, svg.INK, 0.7)]
-        parts += [svg.line(x - 2.0, end, x + 2.0, end, svg.INK, 0.7) for end in (low, high)]
-    parts.append(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="2.1" fill="{svg.ACCENT}"/>')
-    signed = _signed(f"{tidy(value, 1):+.1f}") if tidy(value, 1) else "0.0"
-    if svg.width_of(signed, 6.0) <= slot - 1.0:
-        away = scale.y(value + (u if np.isfinite(u) else 0.0)) - 3.4
-        under = scale.y(value - (u if np.isfinite(u) else 0.0)) + 7.6
-        parts.append(svg.text_element(x, away if value >= 0.0 else under, signed, "middle", 6.0, has_halo=True))
-    if slot >= 9.0 or step_id % 5 == 0 or step_id == 1:
-        parts.append(svg.text_element(x, bottom + 8.5, step_id, "middle", 6.5))
-    return f'<g data-step="{step_id}">{"".join(parts)}</g>'
