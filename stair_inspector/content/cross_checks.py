@@ -6,15 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector.content.cells import lengths, millimetres, unit_in_report, with_u
-from stair_inspector.content.document import Cell, Column, Number, Status, Table, Tone, plain
+from stair_inspector.content.document import Cell, Column, Number, Status, Table, plain, table_of
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.readings import TapeReading
 from stair_inspector.content.values import flight_value, plane_to_plane, steps_of
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.measured import OWN_PARTS, combined, part_of
-from stair_inspector.model import Inspection, Measured, Step
-from stair_inspector.quantities import quantity_of
-from stair_inspector.quantity_types import LINES
+from stair_inspector.model import Flight, Inspection, Measured, Step
+from stair_inspector.quantities import LINES, quantity_of
 
 _CLOSURE_DIGITS, _FINEST_DIGITS = 2, 6
 """Decimals of a millimetre in the closure check: as many as are shown, and no more than are kept."""
@@ -35,64 +34,57 @@ class Compared:
     result: Status
 
 
+@dataclass(frozen=True, slots=True)
+class _Closure:
+    """A flight's sum of rises beside the height between the planes at its ends, metres, and what they come to."""
+
+    flight: Flight
+    rises: Measured | None
+    planes: float | None
+    difference: Measured | None
+    result: Status
+
+
 def closure_table(inspection: Inspection) -> Table:
     """Return the sum of each flight's rises against the height between the planes at its two ends."""
-    columns = (
-        Column("Flight", digits=0),
-        *with_u("Sum of rises", "mm", 1),
-        Column("Plane to plane", "mm", 1),
-        Column("Difference", "mm", _CLOSURE_DIGITS),
-        Column("U of the difference", "mm", _CLOSURE_DIGITS),
-        Column("Result", width=2.0),
-    )
-    rows: list[tuple[Cell, ...]] = []
-    tones: list[tuple[int, Tone]] = []
-    for flight in inspection.flights:
-        rises, planes = flight_value(inspection, flight, "flight_rise"), plane_to_plane(inspection, flight)
-        if rises is None or planes is None:
-            why = "a rise was not measured" if rises is None else "the surface at its foot was not seen as a plane"
-            rows.append(
-                (
-                    flight.flight_id,
-                    *lengths(rises),
-                    millimetres(planes),
-                    None,
-                    None,
-                    Status(f"not possible: {why}", "plain"),
-                )
-            )
-            continue
-        steps = steps_of(inspection, flight)
-        difference = _of_the_ends(rises.value - planes, rises, steps[0].rise_m, steps[-1].rise_m)
-        is_closed = abs(difference.value) <= difference.u
-        words = "closes within U" if is_closed else "differs by more than U"
-        rows.append(
-            (
-                flight.flight_id,
-                *lengths(rises),
-                millimetres(planes),
-                *_told_apart(*lengths(difference)),
-                Status(words, "good" if is_closed else "close"),
-            )
-        )
-        if not is_closed:
-            tones.append((len(rows) - 1, "close"))
-    note = (
-        "The sum of the rises, taken at the nosings on the centre line, against the height between the plane fitted to "
-        "all points of the surface at the foot and that fitted to all points of the topmost step, at the same places. "
-        "The nosings in between cancel: the check tells of the two end surfaces only. So do vertical and scale: U of "
-        "the difference is made of noise, edge and registration. A nosing strip that stands proud, a worn or "
-        "bowed surface, or parts of a surface that stations saw at different heights, show as a difference."
-    )
-    return Table(
+    return table_of(
         "closure",
         "Closure check",
-        columns,
-        tuple(rows),
-        note,
-        "Nothing to close: no flight was measured.",
-        tuple(tones),
+        [_closure_of(inspection, flight) for flight in inspection.flights],
+        (Column("Flight", digits=0), lambda each: each.flight.flight_id),
+        (with_u("Sum of rises", "mm", 1), lambda each: lengths(each.rises)),
+        (Column("Plane to plane", "mm", 1), lambda each: millimetres(each.planes)),
+        (
+            (
+                Column("Difference", "mm", _CLOSURE_DIGITS),
+                Column("U of the difference", "mm", _CLOSURE_DIGITS),
+            ),
+            lambda each: _told_apart(*lengths(each.difference)),
+        ),
+        (Column("Result", width=2.0), lambda each: each.result),
+        note=(
+            "The sum of the rises, taken at the nosings on the centre line, against the height between the plane "
+            "fitted to all points of the surface at the foot and that fitted to all points of the topmost step, at the "
+            "same places. The nosings in between cancel: the check tells of the two end surfaces only. So do vertical "
+            "and scale: U of the difference is made of noise, edge and registration. A nosing strip that stands proud, "
+            "a worn or bowed surface, or parts of a surface that stations saw at different heights, show as a "
+            "difference."
+        ),
+        empty="Nothing to close: no flight was measured.",
+        tone=lambda each: each.result.tone,
     )
+
+
+def _closure_of(inspection: Inspection, flight: Flight) -> _Closure:
+    rises, planes = flight_value(inspection, flight, "flight_rise"), plane_to_plane(inspection, flight)
+    if rises is None or planes is None:
+        why = "a rise was not measured" if rises is None else "the surface at its foot was not seen as a plane"
+        return _Closure(flight, rises, planes, None, Status(f"not possible: {why}", "plain"))
+    steps = steps_of(inspection, flight)
+    difference = _of_the_ends(rises.value - planes, rises, steps[0].rise_m, steps[-1].rise_m)
+    is_closed = abs(difference.value) <= difference.u
+    result = Status("closes within U", "good") if is_closed else Status("differs by more than U", "close")
+    return _Closure(flight, rises, planes, difference, result)
 
 
 def _told_apart(difference_mm: float | None, u_mm: float | None) -> tuple[Cell, Cell]:
@@ -125,56 +117,43 @@ def _of_the_ends(value_m: float, rises: Measured, first: Measured | None, last: 
 
 def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
     """Return the readings by hand beside the scan's values, in millimetres or degrees."""
-    columns = (
-        Column("Place"),
-        Column("Quantity"),
-        Column("Unit"),
-        Column("By hand", digits=1),
-        Column("U by hand", digits=1, is_u=True),
-        Column("Scan", digits=1),
-        Column("U of the scan", digits=1, is_u=True),
-        Column("Difference", digits=1),
-        Column("Result"),
-        Column("Instrument and note", width=1.6),
-    )
-    rows: list[tuple[Cell, ...]] = []
-    tones: list[tuple[int, Tone]] = []
-    for reading in basis.readings:
-        quantity = quantity_of(reading.quantity)
-        scale, (unit, digits) = quantity.notation.scale, unit_in_report(quantity.unit)
-        found = compared(inspection, reading)
-        scanned, difference, result = found.scanned, found.difference, found.result
-        if result.tone in ("bad", "close"):
-            tones.append((len(rows), result.tone))
-        rows.append(
-            (
-                found.place,
-                quantity.words,
-                unit,
-                Number(round(reading.value * scale, 6), digits),
-                None if reading.u is None else round(reading.u * scale, 6),
-                None if scanned is None else Number(round(scanned.value * scale, 6), digits),
-                None if scanned is None else round(scanned.u * scale, 6),
-                None if difference is None else Number(round(difference * scale, 6), digits),
-                result,
-                said_of(reading),
-            )
-        )
+
+    def size(found: Compared, value: float | None) -> float | None:
+        return None if value is None else round(value * quantity_of(found.reading.quantity).notation.scale, 6)
+
+    def number(found: Compared, value: float | None) -> Number | None:
+        shown, digits = size(found, value), unit_in_report(quantity_of(found.reading.quantity).unit)[1]
+        return None if shown is None else Number(shown, digits)
+
     note = (
         "Difference: by hand less scan. The two agree when they differ by no more than the root of the sum of the "
         "squares of both U; where none is stated for the reading, whether they agree is not judged."
     )
     if any(reading.line != "centre" for reading in basis.readings):
         note += " For the left and right lines no U is worked out: that of the centre line stands there."
-    return Table(
+    return table_of(
         "readings",
         "Readings by hand",
-        columns,
-        tuple(rows),
-        note,
-        "No reading by hand was entered. Three to five readings of a tape or a digital level are a check of the scan "
-        "that does not depend on it.",
-        tuple(tones),
+        [compared(inspection, reading) for reading in basis.readings],
+        (Column("Place"), lambda found: found.place),
+        (Column("Quantity"), lambda found: quantity_of(found.reading.quantity).words),
+        (Column("Unit"), lambda found: unit_in_report(quantity_of(found.reading.quantity).unit)[0]),
+        (Column("By hand", digits=1), lambda found: number(found, found.reading.value)),
+        (Column("U by hand", digits=1, is_u=True), lambda found: size(found, found.reading.u)),
+        (Column("Scan", digits=1), lambda found: number(found, None if found.scanned is None else found.scanned.value)),
+        (
+            Column("U of the scan", digits=1, is_u=True),
+            lambda found: size(found, None if found.scanned is None else found.scanned.u),
+        ),
+        (Column("Difference", digits=1), lambda found: number(found, found.difference)),
+        (Column("Result"), lambda found: found.result),
+        (Column("Instrument and note", width=1.6), lambda found: said_of(found.reading)),
+        note=note,
+        empty=(
+            "No reading by hand was entered. Three to five readings of a tape or a digital level are a check of the "
+            "scan that does not depend on it."
+        ),
+        tone=lambda found: found.result.tone,
     )
 
 

@@ -4,10 +4,10 @@ It is made once (:mod:`stair_inspector.content.order`) and read by every rendere
 """
 
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Literal
+from typing import Literal, TypeVar, cast
 
 from stair_inspector.content.fields import Paper
 from stair_inspector.units import tidy, u_text
@@ -42,6 +42,7 @@ class Number:
 
 Cell = str | float | int | Number | Status | None
 """A cell holds a text, a raw number in its column's unit, a judgement, or None for what was not measured."""
+Entry = TypeVar("Entry")
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +115,45 @@ class Table:
     def tone_of(self, row: int) -> Tone:
         """Return the tone of a row."""
         return dict(self.tones).get(row, "plain")
+
+
+Part = tuple[Column | Sequence[Column], Callable[[Entry], Cell | Sequence[Cell]]]
+"""One column, or a few, of a table that is made by :func:`table_of`, and what stands there of an entry."""
+
+
+def table_of(
+    key: str,
+    title: str,
+    entries: Iterable[Entry],
+    *parts: Part[Entry],
+    note: str = "",
+    empty: str = "",
+    tone: Callable[[Entry], Tone] | None = None,
+) -> Table:
+    """Return a table with a row for each entry, from its columns, each with what stands in it.
+
+    Parameters
+    ----------
+    key, title, note, empty : str
+        As of :class:`Table`.
+    entries : iterable
+        What the rows tell of.
+    parts : tuple
+        A column and the function that returns the cell of an entry; or a few columns and that of all their cells.
+    tone : callable, optional
+        Returns the tone of an entry's row.
+    """
+    known = list(entries)
+    columns: list[Column] = []
+    rows: list[list[Cell]] = [[] for _ in known]
+    for heads, cells in parts:
+        columns += [heads] if isinstance(heads, Column) else heads
+        for row, entry in zip(rows, known, strict=True):
+            found = cells(entry)
+            row += [cast(Cell, found)] if isinstance(heads, Column) else cast(Sequence[Cell], found)
+    tones = tuple((number, tone(entry)) for number, entry in enumerate(known)) if tone is not None else ()
+    loud = tuple((number, each) for number, each in tones if each in ("bad", "close"))
+    return Table(key, title, tuple(columns), tuple(map(tuple, rows)), note, empty, loud)
 
 
 @dataclass(frozen=True, slots=True)

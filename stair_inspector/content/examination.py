@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable
 
+from stair_inspector.content.cells import millimetres
 from stair_inspector.content.cures import cure_words
-from stair_inspector.content.document import Column, Status, Table, Tone, plain
+from stair_inspector.content.document import Column, Status, Table, Tone, plain, table_of
 from stair_inspector.model import Inspection, Observation
 
 LEVELS = ("question", "doubt", "info")
@@ -27,28 +28,20 @@ def examination_lines(inspection: Inspection) -> Iterable[str]:
 
 def examination_table(inspection: Inspection) -> Table:
     """Return what was found about the scan before it was measured, the gravest first."""
-    columns = (
-        Column("Kind"),
-        Column("What was found about the scan", width=4.0),
-        Column("Size", "mm", 1),
-        Column("What helps", width=3.0),
+    return table_of(
+        "examination",
+        "Examination of the scan",
+        examined(inspection),
+        (Column("Kind"), lambda found: Status(found.level, _TONES[found.level])),
+        (Column("What was found about the scan", width=4.0), lambda found: _sentence(found.message)),
+        (Column("Size", "mm", 1), lambda found: millimetres(found.size_m)),
+        (Column("What helps", width=3.0), lambda found: _sentence(_helps(found))),
+        note=(
+            "A question withholds every value until it is answered; a doubt concerns what may be wrong, or is in every "
+            "U; an info changes nothing."
+        ),
+        tone=lambda found: _TONES[found.level],
     )
-    found = examined(inspection)
-    rows = tuple(
-        (
-            Status(each.level, _TONES[each.level]),
-            _sentence(each.message),
-            None if each.size_m is None else round(each.size_m * 1000.0, 6),
-            _sentence(_helps(each)),
-        )
-        for each in found
-    )
-    tones = tuple((row, _TONES[each.level]) for row, each in enumerate(found) if each.level != "info")
-    note = (
-        "A question withholds every value until it is answered; a doubt concerns what may be wrong, or is in every U; "
-        "an info changes nothing."
-    )
-    return Table("examination", "Examination of the scan", columns, rows, note, tones=tones)
 
 
 def _sentence(words: str) -> str:

@@ -1,7 +1,7 @@
 """The tables of what the numbers rest on: parts of the uncertainty, surfaces, notes."""
 
 from stair_inspector.content.cells import millimetres
-from stair_inspector.content.document import Column, Table
+from stair_inspector.content.document import Column, Table, table_of
 from stair_inspector.content.note_words import note_words
 from stair_inspector.measured import COMMON_PARTS, OWN_PARTS, part_of
 from stair_inspector.model import Inspection, Measured
@@ -41,33 +41,30 @@ def budget_table(inspection: Inspection) -> Table:
 
 def surfaces_table(inspection: Inspection) -> Table:
     """Return every surface that was found, what it was taken for, and why."""
-    columns = (
-        Column("Surface", digits=0),
-        Column("Height", "mm", 1),
-        Column("Area", "m²", 3),
-        Column("Points", digits=0),
-        Column("Taken for"),
-        Column("Step", digits=0),
-        Column("Reason", width=4.0),
+    return table_of(
+        "surfaces",
+        "Surfaces found in the scan",
+        inspection.patches,
+        (Column("Surface", digits=0), lambda patch: patch.patch_id),
+        (Column("Height", "mm", 1), lambda patch: millimetres(patch.height_m)),
+        (Column("Area", "m²", 3), lambda patch: patch.area_m2),
+        (Column("Points", digits=0), lambda patch: patch.plane.n_points),
+        (Column("Taken for"), lambda patch: patch.kind),
+        (Column("Step", digits=0), lambda patch: patch.step_id),
+        (Column("Reason", width=4.0), lambda patch: note_words(patch.reason or "")),
+        note="Height: mean height in the scan's own frame.",
+        empty="No surface was kept.",
     )
-    rows = tuple(
-        (
-            patch.patch_id,
-            millimetres(patch.height_m),
-            patch.area_m2,
-            patch.plane.n_points,
-            patch.kind,
-            patch.step_id,
-            note_words(patch.reason or ""),
-        )
-        for patch in inspection.patches
-    )
-    note = "Height: mean height in the scan's own frame."
-    return Table("surfaces", "Surfaces found in the scan", columns, rows, note, "No surface was kept.")
 
 
 def notes_table(inspection: Inspection) -> Table:
     """Return the notes of the measurement, numbered."""
-    columns = (Column("Note"), Column("Step", digits=0), Column("What the measurement says", width=8.0))
-    rows = tuple((f"N{number}", note.step, note_words(note.message)) for number, note in enumerate(inspection.notes, 1))
-    return Table("notes", "Notes of the measurement", columns, rows, empty="The measurement left no note.")
+    return table_of(
+        "notes",
+        "Notes of the measurement",
+        enumerate(inspection.notes, 1),
+        (Column("Note"), lambda each: f"N{each[0]}"),
+        (Column("Step", digits=0), lambda each: each[1].step),
+        (Column("What the measurement says", width=8.0), lambda each: note_words(each[1].message)),
+        empty="The measurement left no note.",
+    )

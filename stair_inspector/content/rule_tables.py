@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 
 from stair_inspector.codes.at_steps import findings_at_steps, outside_at_steps
-from stair_inspector.codes.findings import Check, Finding, Verdict, gravest
+from stair_inspector.codes.findings import Check, Finding, Fit, Verdict, gravest
 from stair_inspector.codes.phrases import limit_words, limits_text
 from stair_inspector.codes.rules import GRADES, Rule
 from stair_inspector.content.cells import numbers_of, outside_counts
-from stair_inspector.content.document import Cell, Column, Number, Status, Table, Tone, plain
+from stair_inspector.content.document import Cell, Column, Number, Part, Status, Table, Tone, plain, table_of
 from stair_inspector.content.fields import Checklist
 from stair_inspector.content.note_words import note_words
 from stair_inspector.model import Inspection
@@ -65,96 +65,73 @@ def unit_of(rule: Rule) -> str:
 
 def results_table(check: Check) -> Table:
     """Return one row per rule and flight: the finding that matters most, of how many."""
-    columns = (
-        Column("Clause", width=1.5),
-        Column("What is limited", width=2.6),
-        Column("Limit as written", width=1.8),
-        Column("Flight", digits=0),
-        Column("Measured", digits=2),
-        Column("U", digits=2, is_u=True),
-        Column("Margin", digits=2),
-        Column("Unit"),
-        Column("At steps"),
-        Column("Findings", width=1.4),
-        Column("Result"),
+    groups = [
+        tuple(found for found in findings if found.flight == flight)
+        for findings in (check.of_rule(rule.rule_id) for rule in check.rule_set.rules)
+        for flight in dict.fromkeys(found.flight for found in findings)
+    ]
+
+    def at_steps(alike: tuple[Finding, ...], worst: Finding) -> str:
+        return numbers_of(worst.steps) if len(alike) > 1 or len(worst.steps) > 1 else ""
+
+    return table_of(
+        "rules",
+        "Results by rule",
+        [(alike, gravest(alike)) for alike in groups],
+        (Column("Clause", width=1.5), lambda each: plain(each[1].rule.clause)),
+        (Column("What is limited", width=2.6), lambda each: limited_words(each[1].rule)),
+        (Column("Limit as written", width=1.8), lambda each: plain(limits_text(check.rule_set, each[1].rule))),
+        (Column("Flight", digits=0), lambda each: each[1].flight),
+        (_MEASURED, lambda each: _measured_cells(each[1])),
+        (Column("At steps"), lambda each: at_steps(*each)),
+        (Column("Findings", width=1.4), lambda each: _counted(each[0])),
+        (Column("Result"), lambda each: status_of(each[1].verdict)),
+        note=(
+            "One row per rule and flight, with the finding nearest to its limit or furthest beyond it. Margin: "
+            "distance to that limit, negative beyond it. Limits are compared with their exact size as written, not "
+            "with a rounded one."
+        )
+        + _edited_note(check),
+        empty="The rule set has no rule.",
+        tone=lambda each: TONES.get(each[1].verdict, "plain"),
     )
-    rows: list[tuple[Cell, ...]] = []
-    tones: list[tuple[int, Tone]] = []
-    for rule in check.rule_set.rules:
-        findings = check.of_rule(rule.rule_id)
-        for flight in dict.fromkeys(found.flight for found in findings):
-            here = tuple(found for found in findings if found.flight == flight)
-            worst = gravest(here)
-            tone = TONES.get(worst.verdict, "plain")
-            if tone in ("bad", "close"):
-                tones.append((len(rows), tone))
-            rows.append(
-                (
-                    plain(rule.clause),
-                    limited_words(rule),
-                    plain(limits_text(check.rule_set, rule)),
-                    flight,
-                    measured_cell(rule, worst.value, worst.u),
-                    scaled(rule, worst.u, is_u=True),
-                    margin_cell(rule, worst.margin),
-                    unit_of(rule),
-                    numbers_of(worst.steps) if len(here) > 1 or len(worst.steps) > 1 else "",
-                    _counted(here),
-                    status_of(worst.verdict),
-                )
-            )
-    note = (
-        "One row per rule and flight, with the finding nearest to its limit or furthest beyond it. Margin: distance to "
-        "that limit, negative beyond it. Limits are compared with their exact size as written, not with a rounded one."
-    ) + _edited_note(check)
-    return Table("rules", "Results by rule", columns, tuple(rows), note, "The rule set has no rule.", tuple(tones))
+
+
+_MEASURED = (Column("Measured", digits=2), Column("U", digits=2, is_u=True), Column("Margin", digits=2), Column("Unit"))
+
+
+def _measured_cells(found: Finding) -> tuple[Cell, ...]:
+    """Return the cells under ``_MEASURED``."""
+    rule = found.rule
+    return (
+        measured_cell(rule, found.value, found.u),
+        scaled(rule, found.u, is_u=True),
+        margin_cell(rule, found.margin),
+        unit_of(rule),
+    )
 
 
 def findings_table(check: Check) -> Table:
     """Return every finding that is not plainly within a limit, or says why nothing can be said."""
-    columns = (
-        Column("Clause", width=1.5),
-        Column("What is limited", width=2.2),
-        Column("Flight", digits=0),
-        Column("Steps"),
-        Column("Measured", digits=2),
-        Column("U", digits=2, is_u=True),
-        Column("Margin", digits=2),
-        Column("Unit"),
-        Column("Result"),
-        Column("Reason", width=2.8),
-    )
     told = [found for found in check.findings if found.verdict.is_listed]
     shared = _shared_reason(check, told)
-    if shared:
-        told = []
-    rows: list[tuple[Cell, ...]] = []
-    tones: list[tuple[int, Tone]] = []
-    for found in told:
-        tone = TONES.get(found.verdict, "plain")
-        if tone in ("bad", "close"):
-            tones.append((len(rows), tone))
-        rows.append(
-            (
-                plain(found.rule.clause),
-                limited_words(found.rule),
-                found.flight,
-                numbers_of(found.steps),
-                measured_cell(found.rule, found.value, found.u),
-                scaled(found.rule, found.u, is_u=True),
-                margin_cell(found.rule, found.margin),
-                unit_of(found.rule),
-                status_of(found.verdict),
-                "; ".join(part for part in (_edited_words(check, found), note_words(found.reason)) if part),
-            )
-        )
-    return Table(
+
+    def reason(found: Finding) -> str:
+        return "; ".join(part for part in (_edited_words(check, found), note_words(found.reason)) if part)
+
+    return table_of(
         "findings",
         "Findings that are not plainly within",
-        columns,
-        tuple(rows),
+        [] if shared else told,
+        (Column("Clause", width=1.5), lambda found: plain(found.rule.clause)),
+        (Column("What is limited", width=2.2), lambda found: limited_words(found.rule)),
+        (Column("Flight", digits=0), lambda found: found.flight),
+        (Column("Steps"), lambda found: numbers_of(found.steps)),
+        (_MEASURED, _measured_cells),
+        (Column("Result"), lambda found: status_of(found.verdict)),
+        (Column("Reason", width=2.8), reason),
         empty=shared or "Every value that was held against a limit is within it by more than its uncertainty.",
-        tones=tuple(tones),
+        tone=lambda found: TONES.get(found.verdict, "plain"),
     )
 
 
@@ -172,33 +149,37 @@ def by_step_table(inspection: Inspection, check: Check) -> Table:
     told = findings_at_steps(inspection, check)
     outside = outside_at_steps(inspection, check)
     named = {found.rule.rule_id for findings in told.values() for found in findings}
+
+    def cell(step_id: int, rule: Rule) -> Status | None:
+        here = tuple(found for found in told[step_id] if found.rule.rule_id == rule.rule_id)
+        return _status_at(gravest(here)) if here else None
+
+    def part_of(rule: Rule) -> Part[int]:
+        title = f"{plain(rule.clause)}: {limited_words(rule)}"
+        return Column(title, plain(limits_text(check.rule_set, rule)), width=1.2), lambda step_id: cell(step_id, rule)
+
     rules = [rule for rule in check.rule_set.rules if rule.rule_id in named]
-    columns = (
-        Column("Step", digits=0),
-        *(
-            Column(f"{plain(rule.clause)}: {limited_words(rule)}", plain(limits_text(check.rule_set, rule)), width=1.2)
-            for rule in rules
-        ),
-    )
-    rows: list[tuple[Cell, ...]] = []
-    tones: list[tuple[int, Tone]] = []
-    for step_id, findings in told.items():
-        cells: list[Cell] = [step_id]
-        for rule in rules:
-            here = tuple(found for found in findings if found.rule.rule_id == rule.rule_id)
-            cells.append(_status_at(gravest(here)) if here else None)
-        row_tones = {cell.tone for cell in cells if isinstance(cell, Status)}
+
+    def tone(step_id: int) -> Tone:
         if step_id in outside:
-            tones.append((len(rows), TONES[gravest(outside[step_id]).verdict]))
-        elif row_tones & {"bad", "close"}:
-            tones.append((len(rows), "close"))
-        rows.append(tuple(cells))
-    note = (
-        "A difference of neighbours, or the range of a flight, that is outside its limit stands at the step that is "
-        "farther from the median of its flight; one that is inside at both steps. – says nothing of this step."
+            return TONES[gravest(outside[step_id]).verdict]
+        tones = {found.tone for rule in rules if (found := cell(step_id, rule)) is not None}
+        return "close" if tones & {"bad", "close"} else "plain"
+
+    return table_of(
+        "by_step",
+        "Results by step",
+        told,
+        (Column("Step", digits=0), lambda step_id: step_id),
+        *map(part_of, rules),
+        note=(
+            "A difference of neighbours, or the range of a flight, that is outside its limit stands at the step that "
+            "is farther from the median of its flight; one that is inside at both steps. – says nothing of this step."
+        )
+        + _edited_note(check),
+        empty="No step was judged.",
+        tone=tone,
     )
-    note += _edited_note(check)
-    return Table("by_step", "Results by step", columns, tuple(rows), note, "No step was judged.", tuple(tones))
 
 
 def _status_at(found: Finding) -> Status:
@@ -210,74 +191,56 @@ def _status_at(found: Finding) -> Status:
 
 def fits_table(check: Check) -> Table:
     """Return for every rule whether the scan is good enough to judge it."""
-    columns = (
-        Column("Clause", width=1.5),
-        Column("What is limited", width=2.6),
-        Column("Largest U", digits=2, is_u=True),
-        Column("Tolerance", digits=2),
-        Column("Unit"),
-        Column("Fit for this check?"),
-        Column("In words", width=3.0),
-        Column("Source"),
-    )
     rules = {rule.rule_id: rule for rule in check.rule_set.rules}
-    rows: list[tuple[Cell, ...]] = []
-    tones: list[tuple[int, Tone]] = []
-    for fit in check.fits:
-        rule = rules[fit.rule_id]
-        if fit.is_fit is False:
-            tones.append((len(rows), "close"))
-        state = _FIT.get(fit.short, Status("nothing to say", "plain"))
-        rows.append(
-            (
-                plain(rule.clause),
-                limited_words(rule),
-                scaled(rule, fit.u, is_u=True),
-                scaled(rule, fit.tolerance),
-                unit_of(rule) if fit.u is not None else "",
-                state,
-                plain(fit.words) + ("; a limit was edited" if check.rule_set.is_changed(rule.rule_id) else ""),
-                rule.grade,
-            )
-        )
-    grades = "; ".join(f"{grade}: {words}" for grade, words in GRADES.items())
-    note = (
-        "The largest uncertainty of the values is held against the room that the rule leaves. A check for which the "
-        f"scan is not fit can still be outside for certain. Source, of the limit in the rule file: {grades}."
+
+    def words(rule: Rule, fit: Fit) -> str:
+        return plain(fit.words) + ("; a limit was edited" if check.rule_set.is_changed(rule.rule_id) else "")
+
+    return table_of(
+        "fits",
+        "Is the scan good enough for each check?",
+        [(rules[fit.rule_id], fit) for fit in check.fits],
+        (Column("Clause", width=1.5), lambda each: plain(each[0].clause)),
+        (Column("What is limited", width=2.6), lambda each: limited_words(each[0])),
+        (Column("Largest U", digits=2, is_u=True), lambda each: scaled(each[0], each[1].u, is_u=True)),
+        (Column("Tolerance", digits=2), lambda each: scaled(each[0], each[1].tolerance)),
+        (Column("Unit"), lambda each: unit_of(each[0]) if each[1].u is not None else ""),
+        (Column("Fit for this check?"), lambda each: _FIT.get(each[1].short, Status("nothing to say", "plain"))),
+        (Column("In words", width=3.0), lambda each: words(*each)),
+        (Column("Source"), lambda each: each[0].grade),
+        note=(
+            "The largest uncertainty of the values is held against the room that the rule leaves. A check for which "
+            "the scan is not fit can still be outside for certain. Source, of the limit in the rule file: "
+            f"{'; '.join(f'{grade}: {meant}' for grade, meant in GRADES.items())}."
+        ),
+        tone=lambda each: "close" if each[1].is_fit is False else "plain",
     )
-    return Table("fits", "Is the scan good enough for each check?", columns, tuple(rows), note, "", tuple(tones))
 
 
 def edits_table(check: Check) -> Table:
     """Return the limits that a user has changed, oldest first."""
-    columns = (
-        Column("Rule", width=2.0),
-        Column("Side", width=1.1),
-        Column("Before", width=1.5),
-        Column("After", width=1.5),
-        Column("Reason", width=3.0),
+    return table_of(
+        "edits",
+        "Limits edited by the user",
+        check.rule_set.edits,
+        (Column("Rule", width=2.0), lambda edit: plain(edit.rule_id)),
+        (Column("Side", width=1.1), lambda edit: edit.side),
+        (Column("Before", width=1.5), lambda edit: plain(limit_words(edit.before))),
+        (Column("After", width=1.5), lambda edit: plain(limit_words(edit.after))),
+        (Column("Reason", width=3.0), lambda edit: plain(edit.reason)),
+        empty="No limit was edited by the user.",
     )
-    rows = tuple(
-        (
-            plain(edit.rule_id),
-            edit.side,
-            plain(limit_words(edit.before)),
-            plain(limit_words(edit.after)),
-            plain(edit.reason),
-        )
-        for edit in check.rule_set.edits
-    )
-    return Table("edits", "Limits edited by the user", columns, rows, empty="No limit was edited by the user.")
 
 
 def checklist_table(checklist: Checklist) -> Table:
     """Return what no scan shows, with what the inspector saw of it or that it was not assessed."""
-    columns = (Column("Item", width=2.0), Column("Seen on site", width=3.0))
-    rows: list[tuple[Cell, ...]] = []
-    for name in Checklist.__dataclass_fields__:
-        seen = getattr(checklist, name)
-        rows.append((Checklist.label_of(name), plain(seen) if seen else Status("not assessed", "plain")))
-    return Table("checklist", "Checked on site, not by the scan", columns, tuple(rows))
+    return table_of(
+        "checklist",
+        "Checked on site, not by the scan",
+        Checklist.__dataclass_fields__,
+        (Column("Item", width=2.0), Checklist.label_of),
+        (Column("Seen on site", width=3.0), lambda name: plain(getattr(checklist, name)) or _NOT_ASSESSED),
+    )
 
 
 def limited_words(rule: Rule) -> str:
@@ -312,6 +275,7 @@ def _counted(findings: tuple[Finding, ...]) -> str:
     return f"{len(findings)}, of which {same} {worst.words}" if same < len(findings) else f"{len(findings)}, all so"
 
 
+_NOT_ASSESSED = Status("not assessed", "plain")
 _FIT = {
     "fit": Status("fit", "good"),
     "not fit": Status("not fit", "close"),
