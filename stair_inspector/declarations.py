@@ -101,7 +101,8 @@ class Knob(Setting):
     """What is said of a number: range, notch and unit too.
 
     ``low`` and ``high`` are inclusive and, like the notch ``step``, in the setting's own unit. ``swept`` is its place
-    in the menu of settings that can be swept, 1 among the first, 0 for none.
+    in the menu of settings that can be swept, 1 among the first, 0 for none. ``is_tried`` tells that a notch to either
+    side is tried to find the values that hang on it.
     """
 
     low: float
@@ -111,6 +112,7 @@ class Knob(Setting):
     _: dataclasses.KW_ONLY
     symbol: str = ""
     swept: int = 0
+    is_tried: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "documentation", self.text.replace(_RANGE, self._range_words()))
@@ -276,3 +278,7 @@ class Catalogue(Mapping[str, Field]):
         """Return the names of the settings whose range can be swept, the most asked for first."""
         names = (name for name, each in self.items() if each.knob is not None and each.knob.swept > 0)
         return tuple(sorted(names, key=lambda name: self.knob(name).swept))
+
+    def tried(self) -> tuple[str, ...]:
+        """Return the names of the settings whose notches are tried, as they are declared."""
+        return tuple(name for name, each in self.items() if each.knob is not None and each.knob.is_tried)

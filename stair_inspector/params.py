@@ -71,7 +71,7 @@ class HorizontalParams(Group):
 
     theta_deg: Annotated[
         float,
-        Knob("normal tolerance", 1.0, 60.0, 0.5, DEGREES, symbol="θ_th", place="tune", swept=2).says(
+        Knob("normal tolerance", 1.0, 60.0, 0.5, DEGREES, symbol="θ_th", place="tune", swept=2, is_tried=True).says(
             "theta_th: largest angle between a normal and the up vector, {range}."
         ),
     ] = 15.0
@@ -83,13 +83,13 @@ class LevelsParams(Group):
 
     eps_m: Annotated[
         float,
-        Knob("vertical reach", 0.001, 0.1, 0.001, MM, symbol="ε_z", place="tune", swept=1).says(
+        Knob("vertical reach", 0.001, 0.1, 0.001, MM, symbol="ε_z", place="tune", swept=1, is_tried=True).says(
             "eps_z: vertical reach of DBSCAN, {range}. Smaller than half a riser, larger than the noise."
         ),
     ] = 0.02
     min_points: Annotated[
         int,
-        Knob("points in reach", 1, 5000, 1, symbol="m", place="tune", swept=1).says(
+        Knob("points in reach", 1, 5000, 1, symbol="m", place="tune", swept=1, is_tried=True).says(
             "m: smallest neighbourhood of a core point, the point itself included {range}."
         ),
     ] = 50

@@ -15,8 +15,6 @@ from stair_inspector.quantity_types import Quantity
 
 CODE = "unsettled"
 """Of the note on a step that names a value which moves."""
-MOVED = ("horizontal.theta_deg", "levels.eps_m", "levels.min_points")
-"""Settings of the segmentation whose notches cost no new normals."""
 _SAME_STEP_M = 0.1
 """Centroids of one step are nearer than this whatever moves; those of two steps are a going apart."""
 
@@ -42,7 +40,7 @@ def mark_unsettled(scan: Scan, params: Params, inspection: Inspection, memo: Mem
 
     Notes
     -----
-    Six runs of the stages from theta_th on.
+    Two runs for each setting that is declared to be tried: of the segmentation, whose notches cost no new normals.
     """
     if params.method != "survey" or inspection.is_withheld:
         return inspection
@@ -75,7 +73,7 @@ def words_about(inspection: Inspection, step_id: int, quantity: Quantity) -> str
 
 def _notches(params: Params) -> Iterator[tuple[Params, str]]:
     """Yield the settings one notch of a slider to each side, and what was changed, in words."""
-    for name in MOVED:
+    for name in SETTINGS.tried():
         knob = SETTINGS.knob(name)
         kind = SETTINGS[name].kind
         for sign in (-1, 1):

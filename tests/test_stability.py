@@ -8,8 +8,9 @@ from stair_inspector import stability
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.memo import Memo
 from stair_inspector.model import Measured
+from stair_inspector.params import SETTINGS
 from stair_inspector.pipeline import inspect
-from stair_inspector.stability import CODE, MOVED, mark_unsettled
+from stair_inspector.stability import CODE, mark_unsettled
 from tests.synthetic import Stair, exact_params
 
 SCAN = Stair(n_steps=4, risers=True, noise=0.001, seed=4).scan()
@@ -31,7 +32,7 @@ def answering(monkeypatch, change):
     seen = []
 
     def run(scan, params, memo):
-        seen.append(tuple(params.value(name) for name in MOVED))
+        seen.append(tuple(params.value(name) for name in SETTINGS.tried()))
         found = inspect(scan, params, memo)
         return change(found) if params.horizontal.theta_deg > THETA else found
 

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from stair_inspector.declarations import Knob
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Observation
 from stair_inspector.params import SETTINGS, Params
@@ -12,7 +13,6 @@ from stair_inspector.units import UNIT_NAMES
 _FLAG = r"--([a-z][a-z0-9-]*(?:\.[a-z][a-z0-9-]*)?)(?:=|\s+)([^\s;,]+(?:,[^\s;,]+)*)"
 _FLAGS = re.compile(rf"{_FLAG}(?:\s+{_FLAG})*")
 """Flags one behind the other belong together; others are alternatives, as in ``--up=z or --up=-y``."""
-_NAMES = {"method": "the method", "axes.rule": "the axes rule", "normals.source": "the normals"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,12 +69,13 @@ def _advised(found: re.Match[str]) -> str:
 
 
 def _called(name: str) -> str:
-    """Return what a setting is called where it has a slider or a field."""
-    try:
-        knob = SETTINGS.knob(name)
-    except ConfigError:
-        return _NAMES.get(name, name)
-    return f"{knob.symbol} ({knob.title})" if knob.symbol else knob.title
+    """Return what a setting is called in a sentence; a name that is none stays as it is."""
+    if name not in SETTINGS:
+        return name
+    setting = SETTINGS.setting(name)
+    if not isinstance(setting, Knob):
+        return f"the {setting.title.lower()}"
+    return f"{setting.symbol} ({setting.title})" if setting.symbol else setting.title
 
 
 def _cure_of(flags: str) -> Cure | None:

@@ -71,6 +71,8 @@ def test_what_is_no_setting_is_no_button(cure):
         ("4 steps; raise --flights.max-gap-m", "4 steps; raise largest gap"),
         ("if so, give --unit ft", "if so, the file is in feet"),
         ("set --flights.min-risers 2", "set fewest risers to 2"),
+        ("use --method paper", "set the method to paper"),
+        ("give --normals.source given", "set the normals to given"),
     ],
 )
 def test_advice_in_a_sentence_is_in_the_words_of_the_page(text, words):
