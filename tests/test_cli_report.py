@@ -7,7 +7,7 @@ import pytest
 from pypdf import PdfReader
 
 from stair_inspector.codes import RuleEdit
-from stair_inspector.codes.rules import Limit
+from stair_inspector.codes.limits import Limit
 from stair_inspector.content.basis_files import basis_to_dict
 from stair_inspector.content.fields import ReportBasis, ReportFields
 from stair_inspector.content.readings import TapeReading

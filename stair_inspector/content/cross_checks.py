@@ -13,7 +13,8 @@ from stair_inspector.content.values import flight_value, plane_to_plane, steps_o
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.measured import OWN_PARTS, combined, part_of
 from stair_inspector.model import Flight, Inspection, Measured, Step
-from stair_inspector.quantities import LINES, quantity_of
+from stair_inspector.quantities import quantity_of
+from stair_inspector.quantity_types import LINES
 
 _CLOSURE_DIGITS, _FINEST_DIGITS = 2, 6
 """Decimals of a millimetre in the closure check: as many as are shown, and no more than are kept."""

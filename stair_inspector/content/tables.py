@@ -21,17 +21,8 @@ from stair_inspector.content.cells import (
 from stair_inspector.content.document import Cell, Column, Part, Table, Tone, table_of
 from stair_inspector.content.values import flight_value, steps_of
 from stair_inspector.model import Flight, Inspection, Statistics, Step
-from stair_inspector.quantities import (
-    COMPARED,
-    LINES,
-    ON_LINES,
-    SHOWN_OF_PAPER,
-    PaperQuantity,
-    Quantity,
-    in_report,
-    step_value,
-    with_above,
-)
+from stair_inspector.quantities import COMPARED, ON_LINES, SHOWN_OF_PAPER, in_report, step_value, with_above
+from stair_inspector.quantity_types import LINES, PaperQuantity, Quantity
 
 _BEYOND = (Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE, Verdict.WITHIN_CLOSE)
 """What a step is flagged for, the gravest first."""

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from stair_inspector.codes.findings import Check
+from stair_inspector.codes.limits import Limit
 from stair_inspector.codes.phrases import limit_words
-from stair_inspector.codes.rules import Limit, Rule
+from stair_inspector.codes.rules import Rule
 from stair_inspector.pictures import svg
 from stair_inspector.pictures.chart_axes import LEFT, RIGHT, ChartScale
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from stair_inspector.codes.rules import is_plain_line
+from stair_inspector.codes.texts import is_plain_line
 from stair_inspector.content.basis_files import basis_from_dict, basis_to_dict, read_basis
 from stair_inspector.content.fields import FIELD_GROUPS, Checklist, ReportBasis, ReportFields
 from stair_inspector.content.images import Photo

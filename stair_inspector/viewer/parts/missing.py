@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from stair_inspector.model import NO_NOSING, Inspection, Step
-from stair_inspector.quantities import Quantity, RestsOn
+from stair_inspector.quantity_types import Quantity, RestsOn
 
 NOT_OBSERVED = "not defined for this step, or not observed"
 WITHHELD = "withheld until the question about the scan is answered"

@@ -4,7 +4,8 @@ from stair_inspector.content.remarks import on_page
 from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Measured, Note, Step
 from stair_inspector.pictures.frames import step_of
-from stair_inspector.quantities import LINES, ON_CARD, ON_LINES, with_above
+from stair_inspector.quantities import ON_CARD, ON_LINES, with_above
+from stair_inspector.quantity_types import LINES
 from stair_inspector.units import NOT_KNOWN, ShownUnit, Unit, measured_text, number_text, parts_text, shown_in
 from stair_inspector.viewer.bridge.markup import DIM, LINE, chip, mm, text
 from stair_inspector.viewer.parts.missing import why_missing
