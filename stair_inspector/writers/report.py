@@ -23,11 +23,6 @@ DRAWING_SUFFIXES = {"plan": "_plan.dxf", "section": "_section.dxf"}
 """The same for the drawings, which are made where nosings were measured."""
 
 
-def report_paths(folder: Path, stem: str) -> tuple[Path, ...]:
-    """Return where the files of a report of a scan with this stem may go."""
-    return tuple(folder / f"{stem}{suffix}" for suffix in (*SUFFIXES, *DRAWING_SUFFIXES.values()))
-
-
 def make_report(
     scan: Scan,
     inspection: Inspection,

@@ -7,7 +7,7 @@ from stair_inspector.errors import WriteError
 from stair_inspector.params import Params
 from stair_inspector.pictures.report_views import RenderedView
 from stair_inspector.pipeline import inspect
-from stair_inspector.writers.report import drawing_bytes, make_report, report_paths, write_report
+from stair_inspector.writers.report import DRAWING_SUFFIXES, SUFFIXES, drawing_bytes, make_report, write_report
 from tests.writers.samples import BASIS, MADE_AT, checked, formats, scanned
 
 pytestmark = pytest.mark.slow
@@ -18,7 +18,8 @@ VIEW = RenderedView("own/../view", "from the page <b>", b"\x89PNG", 0.5)
 def test_a_report_is_five_files_of_the_same_content(tmp_path):
     scan, inspection = scanned()
     written = write_report(scan, inspection, tmp_path, "stair", BASIS, MADE_AT, checked())
-    assert tuple(written) == report_paths(tmp_path, "stair")
+    suffixes = (*SUFFIXES, *DRAWING_SUFFIXES.values())
+    assert written == [tmp_path / f"stair{suffix}" for suffix in suffixes]
     assert {path.name for path in tmp_path.iterdir()} == {path.name for path in written}
     for path, data in zip(written, [*formats().values(), *drawing_bytes(inspection, MADE_AT).values()], strict=True):
         assert path.read_bytes() == data

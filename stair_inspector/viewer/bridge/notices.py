@@ -1,12 +1,10 @@
 """How a page hears of what failed: a sentence on the page, and for what nobody foresaw a line in the server's log."""
 
 import asyncio
-import contextlib
 import logging
 import math
-import threading
 import time
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Callable, Coroutine
 from typing import Protocol
 
 import viser
@@ -16,7 +14,6 @@ from stair_inspector.errors import StairError
 logger = logging.getLogger(__name__)
 
 _SHOWN_S = 12.0
-_PATIENCE_S = 0.5
 _REPEATED_S = 1.0
 
 
@@ -37,30 +34,6 @@ class Notices:
             self._client.add_notification(
                 title, " ".join(words.split()), color="red" if is_failure else None, auto_close_seconds=_SHOWN_S
             )
-
-    @contextlib.contextmanager
-    def working(self, words: str) -> Iterator[None]:
-        """Show that something is being made, if it takes longer than half a second."""
-        notes: list[viser.NotificationHandle] = []
-        lock = threading.Lock()
-
-        def show() -> None:
-            with lock:
-                if not self.is_closed and not is_over.is_set():
-                    notes.append(self._client.add_notification(words, "", loading=True, with_close_button=False))
-
-        is_over = threading.Event()
-        timer = threading.Timer(_PATIENCE_S, show)
-        timer.daemon = True
-        timer.start()
-        try:
-            yield
-        finally:
-            timer.cancel()
-            with lock:
-                is_over.set()
-                for note in notes:
-                    note.remove()
 
     def guard(self, action: Callable[..., None]) -> Callable[..., None]:
         """Wrap an action so that its failure is a sentence on the page, not a line in the server's log."""

@@ -264,7 +264,9 @@ class Widgets:
         return made
 
 
-def offer(menu: Dropdown, options: tuple[str, ...]) -> None:
-    """Offer other options where they differ: whoever calls sets the chosen one."""
+def offer(menu: Dropdown, options: tuple[str, ...], chosen: str | None = None) -> None:
+    """Offer other options where they differ, and choose one: that of before, or the first, where ``chosen`` is none."""
+    wanted = menu.value if chosen is None else chosen
     if tuple(menu.options) != options:
         menu.options = options
+    menu.value = wanted if wanted in options else options[0]

@@ -176,13 +176,6 @@ class Desk:
             raise ConfigError(f"{what}: there is no result yet; wait for the first one")
         return self.shown
 
-    def to_scan(self, points: Floats) -> Floats:
-        """Return places of the scan's own frame, (..., 3) metres, for places of the view."""
-        shown = self.result("place")
-        local: Floats = np.asarray(points, dtype=np.float64) @ self.stage.rotation
-        place: Floats = local + shown.scan.origin_m
-        return place
-
     def to_view(self, points: Floats) -> Floats:
         """Return places of the view for places of the scan's own frame, (..., 3) metres."""
         shown = self.result("place")

@@ -75,11 +75,9 @@ class Frame(PagePart):
         if word == "mode":
             look.choose_mode(value)
         elif word == "view":
-            with desk.lock:
-                look.set_view(value)
+            look.set_view(value)
         elif word == "step":
-            with desk.lock:
-                look.look_at_step()
+            look.look_at_step()
         elif word == "unit":
             desk.set_unit(value)
         elif word == "theme":

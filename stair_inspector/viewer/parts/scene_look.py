@@ -28,7 +28,7 @@ from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.legends import Legend
 from stair_inspector.pictures.segmentation import SegmentedScene, draw, is_left_hidden, view_from_local
 from stair_inspector.viewer.parts.desk import Desk, Shown
-from stair_inspector.viewer.scene.framing import beside, free_part, raised
+from stair_inspector.viewer.scene.framing import beside, free_part, page_camera, place_camera, raised
 from stair_inspector.viewer.scene.stage import MODES
 from stair_inspector.viewer.state.change import PageChange
 
@@ -178,7 +178,8 @@ class SceneLook:
 
     def set_view(self, option: str) -> None:
         """Stand back from a side of the staircase."""
-        self.look(one_of(option, VIEWS, "camera"))
+        with self._desk.lock:
+            self.look(one_of(option, VIEWS, "camera"))
 
     def look_at_step(self) -> None:
         """Look at the chosen step.
@@ -188,18 +189,20 @@ class SceneLook:
         ConfigError
             None is chosen.
         """
-        if step_of(self._desk.inspection, self._desk.selected) is None:
-            raise ConfigError("look at step: choose a step first")
-        self.look(self._desk.selected or 0)
+        with self._desk.lock:
+            if step_of(self._desk.inspection, self._desk.selected) is None:
+                raise ConfigError("look at step: choose a step first")
+            self.look(self._desk.selected or 0)
 
     def set_ortho(self, is_ortho: bool) -> None:
         """Look as if from far away, so that parallels stay parallel, or as the eye sees."""
-        if bool(is_ortho) == self.is_ortho:
-            return
-        # Not that of the look: a section or a kept view may have set another one.
-        pose, before = self.camera()
-        self.is_ortho = bool(is_ortho)
-        self.go_to(with_fov(pose, before, self.fov_rad), self.fov_rad)
+        with self._desk.lock:
+            if bool(is_ortho) == self.is_ortho:
+                return
+            # Not that of the look: a section or a kept view may have set another one.
+            pose, before = self.camera()
+            self.is_ortho = bool(is_ortho)
+            self.go_to(with_fov(pose, before, self.fov_rad), self.fov_rad)
 
     @property
     def fov_rad(self) -> float:
@@ -262,21 +265,15 @@ class SceneLook:
         """
         if self._lent_from is not None:
             return self._lent_from
-        camera = self._desk.client.camera
-        pose = Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
-        return pose, float(camera.fov)
+        return page_camera(self._desk.client)
 
     def go_to(self, pose: Pose, fov_rad: float) -> None:
         """Put the camera somewhere."""
         camera = self._desk.client.camera
         near, far = clip_range(pose, self._desk.stage.visible_extent())
         with self._desk.client.atomic():
-            camera.fov = fov_rad
             camera.near, camera.far = near, far
-            camera.up_direction = pose.up
-            camera.position = pose.position
-            # Setting the position drags the point looked at along.
-            camera.look_at = pose.look_at
+            place_camera(self._desk.client, pose, fov_rad)
         self.gone_to = (pose, fov_rad)
         if self._lent_from is not None:
             self._lent_from = self.gone_to

@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
-import viser
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Colors
 from stair_inspector.pictures.cameras import Pose
 from stair_inspector.viewer.parts.desk import Desk
+from stair_inspector.viewer.scene.framing import page_camera, place_camera
 from stair_inspector.viewer.scene.nodes import quaternion
 
 _TIMEOUT_S = 60.0
@@ -35,13 +35,12 @@ def studio(
         Of a camera and its upright angle of view, radians; returns the pixels (height, width, 4), transparent where
         nothing is. Raises ConfigError where the page does not deliver, as when it is closed or hidden.
     """
-    client, stage, camera = desk.client, desk.stage, desk.client.camera
-    before = Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
-    fov_rad = float(camera.fov)
+    client, stage = desk.client, desk.stage
+    before, fov_rad = page_camera(client)
     # A scan that is shown anew takes the old points away.
     with desk.lock:
         # Points are drawn in pixels of the window: in a larger picture gaps would open between them.
-        stage.magnify(height / max(camera.image_height, 1))
+        stage.magnify(height / max(client.camera.image_height, 1))
 
     def render(pose: Pose, fov: float) -> Colors:
         try:
@@ -72,17 +71,6 @@ def studio(
                 stage.magnify(1.0)
         finally:
             place_camera(client, before, fov_rad)
-
-
-def place_camera(client: viser.ClientHandle, pose: Pose, fov_rad: float) -> None:
-    """Put the page's camera somewhere, all at once."""
-    camera = client.camera
-    with client.atomic():
-        camera.fov = fov_rad
-        camera.up_direction = pose.up
-        camera.position = pose.position
-        # Setting the position drags the point looked at along.
-        camera.look_at = pose.look_at
 
 
 _LEAST_SINE = 1e-9

@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import viser
 
 from stair_inspector.pictures.cameras import Pose
 
@@ -80,3 +81,21 @@ def beside(pose: Pose, moved_m: float, aspect: float, fov_rad: float) -> Pose:
         distance = max(distance, wide + abs(float(half @ away)))
     target = pose.look_at + half
     return Pose(target + distance * away, target, pose.up)
+
+
+def page_camera(client: viser.ClientHandle) -> tuple[Pose, float]:
+    """Return where a page's camera stands now, and its upright angle of view."""
+    camera = client.camera
+    pose = Pose(np.array(camera.position), np.array(camera.look_at), np.array(camera.up_direction))
+    return pose, float(camera.fov)
+
+
+def place_camera(client: viser.ClientHandle, pose: Pose, fov_rad: float) -> None:
+    """Put the page's camera somewhere, all at once."""
+    camera = client.camera
+    with client.atomic():
+        camera.fov = fov_rad
+        camera.up_direction = pose.up
+        camera.position = pose.position
+        # Setting the position drags the point looked at along.
+        camera.look_at = pose.look_at

@@ -87,9 +87,7 @@ class LimitForm:
         """List the rules whose limits can be changed, and the changes; the desk is held."""
         rules = self._choice.rules
         options = limit_labels(rules) or (_NO_RULE,)
-        chosen = str(self.rule.value)
         offer(self.rule, options)
-        self.rule.value = chosen if chosen in options else options[0]
         self._show_limit()
         self.edits.content = edits_html(rules.edits)
         for button in self._reverts:

@@ -181,6 +181,5 @@ class ChecksPart(PagePart):
             (self.rules, (NO_RULES, *named), chosen),
             (self.overlay, (NO_OVERLAY, *offered), several or NO_OVERLAY),
         ):
-            offer(menu, options)
-            menu.value = value
+            offer(menu, options, value)
         self.decision.value = next(words for words, each in DECISION_OPTIONS.items() if each == rules.decision)

@@ -19,7 +19,7 @@ from stair_inspector.content.written import split_unit
 from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.viewer.bridge.markup import read_order
-from stair_inspector.viewer.bridge.widgets import Dropdown, File, Text, Widgets
+from stair_inspector.viewer.bridge.widgets import File, Text, Widgets, offer
 from stair_inspector.viewer.parts.export.pictures_html import DELETE_PHOTO, logo_html, photos_html
 from stair_inspector.viewer.parts.export.readings_html import DELETE, readings_html
 from stair_inspector.viewer.parts.export.report import ReportMaker
@@ -211,9 +211,7 @@ class ReportForm:
         """List where readings can be taken."""
         options = (*(f"step {step}" for step in steps), *(f"flight {flight}" for flight in flights)) or (NO_PLACE,)
         if tuple(self.place.options) != options:
-            before = self.place.value
-            self.place.options = options
-            self.place.value = before if before in options else options[0]
+            offer(self.place, options)
             self._fit_menus()
 
     def _put_back(self, part: FormPart, name: str, refused: str, kept: str) -> None:
@@ -226,11 +224,11 @@ class ReportForm:
         """Offer what can be read at the chosen place, in its units, and a line where there are three."""
         kind = str(self.place.value).partition(" ")[0]
         known = READING_QUANTITIES.get(kind, READING_QUANTITIES["step"])
-        _offer(self.quantity, tuple(known))
+        offer(self.quantity, tuple(known))
         name = known.get(str(self.quantity.value), "")
         units = LENGTH_UNITS if {**STEP_READINGS, **FLIGHT_READINGS}.get(name) == "m" else _ANGLE_UNITS
         self._last_units[tuple(self.unit.options)] = str(self.unit.value)
-        _offer(self.unit, units, self._last_units.get(units))
+        offer(self.unit, units, self._last_units.get(units))
         self.line.visible = name in ON_A_LINE
 
     def _add_texts(
@@ -265,11 +263,3 @@ class ReportForm:
         self.instrument = widgets.text("Instrument", hint="Tape, digital level, with its number.")
         self.note = widgets.text("Note")
         widgets.button("Add the reading", self.add_reading, icon=viser.Icon.PLUS)
-
-
-def _offer(menu: Dropdown, options: tuple[str, ...], before: str | None = None) -> None:
-    """Offer other options, and choose what was chosen before, or now, where it is among them."""
-    if tuple(menu.options) != options:
-        wanted = before or menu.value
-        menu.options = options
-        menu.value = wanted if wanted in options else options[0]

@@ -57,9 +57,9 @@ class LookPart(PagePart):
         """Return the keys for looking and measuring."""
         views, look = self.views, self._look
         return (
-            Command("Look at the chosen step", views.look_at_step, "F"),
+            Command("Look at the chosen step", look.look_at_step, "F"),
             *(
-                Command(_VIEW_WORDS[view], partial(views.set_view, view), str(key))
+                Command(_VIEW_WORDS[view], partial(look.set_view, view), str(key))
                 for key, view in enumerate(VIEWS, start=1)
             ),
             Command("Orthographic look", views.switch_ortho, "O"),

@@ -28,29 +28,16 @@ class ViewTool:
             self._look.choose_mode,
             hint="Raw cloud, coloured steps, or both side by side. Keys 7 to 9.",
         )
-        widgets.buttons("Camera", VIEWS, self.set_view, hint="Stand back from that side of the staircase. Keys 1 to 5.")
+        hint = "Stand back from that side of the staircase. Keys 1 to 5."
+        widgets.buttons("Camera", VIEWS, self._look.set_view, hint=hint)
         widgets.buttons("Look at", TARGETS, self.look_at, hint="Keys F and 1.")
-        self._ortho = widgets.checkbox("Orthographic", hint="Parallels stay parallel. Key O.", on_change=self.set_ortho)
+        hint = "Parallels stay parallel. Key O."
+        self._ortho = widgets.checkbox("Orthographic", hint=hint, on_change=self._look.set_ortho)
         with widgets.folder("My views", is_open=False):
             self._name = widgets.text("View name", hint="What the view is kept under.")
             widgets.button("Keep this view", self.keep, icon=viser.Icon.BOOKMARK)
             self._list = widgets.html()
             self._orders = widgets.orders("View order", self.obey)
-
-    def set_view(self, option: str) -> None:
-        """Look from a standard side."""
-        with self._desk.lock:
-            self._look.set_view(option)
-
-    def look_at_step(self) -> None:
-        """Look at the chosen step."""
-        with self._desk.lock:
-            self._look.look_at_step()
-
-    def set_ortho(self, is_ortho: bool) -> None:
-        """Switch the orthographic look."""
-        with self._desk.lock:
-            self._look.set_ortho(is_ortho)
 
     def switch_ortho(self) -> None:
         """Switch the orthographic look on or off, and its box with it."""

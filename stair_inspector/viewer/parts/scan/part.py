@@ -98,8 +98,7 @@ class ScanPart(PagePart):
 
     def _show_scans(self) -> None:
         menu = self._menu()
-        offer(self.chooser, tuple(menu.values()))
-        self.chooser.value = menu[self._context.keeper.label]
+        offer(self.chooser, tuple(menu.values()), menu[self._context.keeper.label])
 
     def _menu(self) -> dict[str, str]:
         """Return what the menu says of each scan."""

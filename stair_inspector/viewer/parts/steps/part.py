@@ -109,7 +109,7 @@ class StepsPart(PagePart):
 
     def _show_nothing(self) -> None:
         """Show nothing of the results of a scan that is no longer open."""
-        self._offer((NO_STEP,), NO_STEP)
+        offer(self.selected, (NO_STEP,))
         self.card.content = card_html(None, None, self._desk.palette, self._desk.unit)
         self.pictures.content = self.rejected.content = ""
 
@@ -128,15 +128,12 @@ class StepsPart(PagePart):
         steps = (str(step.step_id) for step in inspection.steps)
         rejected = rejected_of(inspection)[:MOST_REJECTED] if desk.with_rejected else []
         chosen = NO_STEP if desk.selected is None else str(desk.selected)
-        self._offer(
+        offer(
+            self.selected,
             (NO_STEP, *steps, *(f"{SURFACE} {patch.patch_id}" for patch in rejected)),
             chosen if desk.selected_patch is None else f"{SURFACE} {desk.selected_patch}",
         )
         self._draw(shown, step_of(inspection, desk.selected))
-
-    def _offer(self, options: tuple[str, ...], chosen: str) -> None:
-        offer(self.selected, options)
-        self.selected.value = chosen
 
     def _draw(self, shown: Shown, step: Step | None) -> None:
         """Draw the chosen step with its dimensions, or the chosen surface, or nothing, over the segmentation."""

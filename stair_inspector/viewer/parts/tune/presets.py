@@ -115,8 +115,8 @@ class Presets:
         """Show which preset's settings are set."""
         params = self._editor.work.params
         chosen = next((title for title, preset in self._presets.items() if _of_scan(params, preset) == params), None)
-        offer(self.menu, tuple(self._presets) if chosen is not None else (*self._presets, OWN_PRESET))
-        self.menu.value = OWN_PRESET if chosen is None else chosen
+        offered = tuple(self._presets) if chosen is not None else (*self._presets, OWN_PRESET)
+        offer(self.menu, offered, chosen or OWN_PRESET)
 
     # Suggestions.
 

@@ -183,8 +183,7 @@ class RunComparison:
     def _offer(self, titles: tuple[str, ...], a: str, b: str) -> None:
         """List the results that can be compared, and show the chosen ones."""
         for menu, nothing, chosen in ((self.menu_a, NO_RUN, a), (self.menu_b, AS_SHOWN, b)):
-            offer(menu, (nothing, *titles))
-            menu.value = chosen
+            offer(menu, (nothing, *titles), chosen)
         self._tools.visible = self.menu_b.visible = a != NO_RUN
 
     def _find(self, shown: Shown, params: Params) -> Inspection | str | None:

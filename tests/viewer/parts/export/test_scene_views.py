@@ -146,10 +146,10 @@ def test_the_camera_follows_into_the_mode_that_was_chosen_meanwhile(session, mon
 
 def test_a_view_that_was_chosen_meanwhile_stays(session, monkeypatch):
     camera = session.desk.client.camera
-    part_of(session, "look").views.set_view("Top")
+    session.look.set_view("Top")
     wanted = np.array(camera.position)
-    part_of(session, "look").views.set_view("Home")
-    with working(session, monkeypatch, lambda: part_of(session, "look").views.set_view("Top")) as seen:
+    session.look.set_view("Home")
+    with working(session, monkeypatch, lambda: session.look.set_view("Top")) as seen:
         taken(session)
     # What it showed was drawn for another camera.
     assert len(seen) == 6
@@ -158,7 +158,7 @@ def test_a_view_that_was_chosen_meanwhile_stays(session, monkeypatch):
 
 def test_without_work_meanwhile_the_camera_goes_back(session, monkeypatch):
     camera = session.desk.client.camera
-    part_of(session, "look").views.set_view("Top")
+    session.look.set_view("Top")
     wanted = np.array(camera.position)
     with working(session, monkeypatch, lambda: None):
         taken(session)

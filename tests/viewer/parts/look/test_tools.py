@@ -152,7 +152,7 @@ def test_a_kept_view_gets_a_name_of_its_own_and_can_be_gone_to_again_and_again(s
     views, camera = part_of(session, "look").views, session.desk.client.camera
     views.keep()
     first = np.array(camera.position)
-    views.set_view("Top")
+    session.look.set_view("Top")
     views.keep()
     views.obey(order_of(session.editor.work.views, "delete", 1))
     views.keep()
@@ -162,7 +162,7 @@ def test_a_kept_view_gets_a_name_of_its_own_and_can_be_gone_to_again_and_again(s
         views.keep()
     assert len(session.editor.work.views) == 2
     for time in range(2):
-        views.set_view("Home")
+        session.look.set_view("Home")
         views.obey(f"{order_of(session.editor.work.views, 'show', 1)}{time}")
         assert np.linalg.norm(camera.position - first) > 0.5
         assert camera.look_at[2] < camera.position[2]
