@@ -1,10 +1,11 @@
 """A drawing as plain geometry, millimetres: what the DXF file and the picture in the report are both made from."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from stair_inspector.model import Step
 from stair_inspector.units import tidy
 
 SheetPoint = tuple[float, float]
@@ -165,6 +166,12 @@ def _corners(words: Words) -> Iterator[SheetPoint]:
         x = words.at[0] + share * length * along[0] + side * words.size * across[0]
         y = words.at[1] + share * length * along[1] + side * words.size * across[1]
         yield x, y
+
+
+def title_for(what: str, steps: Sequence[Step]) -> str:
+    """Return the title of a drawing of some steps."""
+    first, last = steps[0].step_id, steps[-1].step_id
+    return f"{what}, step {first}" if len(steps) == 1 else f"{what}, steps {first} to {last}"
 
 
 def readable_deg(turn_deg: float) -> float:

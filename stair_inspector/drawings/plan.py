@@ -17,6 +17,7 @@ from stair_inspector.drawings.model import (
     Path,
     SheetPoint,
     Words,
+    title_for,
 )
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Step
@@ -86,13 +87,7 @@ def plan(inspection: Inspection, text_mm: float, steps: Sequence[Step] | None = 
         "sides of the tread, not between handrails.",
         "The arrow points up the stair. North is not known from the scan. Millimetres.",
     )
-    return Drawing("plan", _titled(chosen), notes, tuple(parts), text_mm)
-
-
-def _titled(steps: Sequence[Step]) -> str:
-    if len(steps) == 1:
-        return f"Plan, step {steps[0].step_id}"
-    return f"Plan, steps {steps[0].step_id} to {steps[-1].step_id}"
+    return Drawing("plan", title_for("Plan", chosen), notes, tuple(parts), text_mm)
 
 
 class _Frame:

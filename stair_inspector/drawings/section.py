@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stair_inspector.drawings.model import NOT_MEASURED, Arrow, Circle, Dimension, Drawing, Part, Path, Words
+from stair_inspector.drawings.model import NOT_MEASURED, Arrow, Circle, Dimension, Drawing, Part, Path, Words, title_for
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Flight, Inspection, Step
 from stair_inspector.pictures.nosing_line import is_joined, line_over_nosings, nosing_line
@@ -68,14 +68,7 @@ def section(inspection: Inspection, text_mm: float, steps: Sequence[Step] | None
         "nosing. Going: horizontal, nosing to nosing.",
         f"Heights above {where}. Hidden and unseen surfaces are not drawn. Millimetres.",
     )
-    return Drawing("section", _titled(chosen), notes, tuple(parts), text_mm)
-
-
-def _titled(steps: Sequence[Step]) -> str:
-    word = "Section along the walking line"
-    if len(steps) == 1:
-        return f"{word}, step {steps[0].step_id}"
-    return f"{word}, steps {steps[0].step_id} to {steps[-1].step_id}"
+    return Drawing("section", title_for("Section along the walking line", chosen), notes, tuple(parts), text_mm)
 
 
 def _placed(inspection: Inspection, steps: Sequence[Step]) -> list[_Nosing]:

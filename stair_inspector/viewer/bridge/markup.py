@@ -26,6 +26,11 @@ def text(value: object) -> str:
     return html.escape(str(value), quote=True)
 
 
+def aside(testid: str, words: object, padding: str = "2px 9px 6px") -> str:
+    """Return a side note in small letters, known to tests by its ``testid``."""
+    return f'<div data-testid="{testid}" style="font-size:12px;color:{DIM};padding:{padding}">{text(words)}</div>'
+
+
 def mm(value_m: float | None, digits: int = 1) -> str:
     """Return a length in millimetres, or a dash for what is not known."""
     return "–" if value_m is None else f"{value_m * 1000.0:.{digits}f}"

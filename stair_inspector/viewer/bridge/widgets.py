@@ -16,44 +16,39 @@ from stair_inspector.viewer.bridge.notices import Event, from_page, orders_from_
 Guard = Callable[[Callable[..., None]], Callable[..., None]]
 
 
-class _Input(Handle, Protocol):
-    @property
-    def on_update(self) -> Callable[[Callable[[Event], None]], object]: ...
+Value = TypeVar("Value")
 
 
-class Text(_Input, Protocol):
-    """A field for a line, or for lines, of text."""
+class Input(Handle, Protocol[Value]):
+    """A control that holds a value which a person can change."""
 
-    value: str
-
-
-class Checkbox(_Input, Protocol):
-    """A box that is ticked or not."""
-
-    value: bool
+    value: Value
     visible: bool
 
+    @property
+    def on_update(self) -> Callable[[Callable[[Event], None]], object]:
+        """Attach what is called when the value has changed."""
 
-class Dropdown(_Input, Protocol):
+
+Text = Input[str]
+"""A field for a line, or for lines, of text."""
+Checkbox = Input[bool]
+"""A box that is ticked or not."""
+Vector = Input[tuple[float, float, float]]
+"""Three numbers."""
+
+
+class Dropdown(Input[str], Protocol):
     """A menu of which one option is chosen."""
 
-    value: str
     options: tuple[str, ...]
-    visible: bool
 
 
-class Slider(_Input, Protocol):
+class Slider(Input[float], Protocol):
     """A number between two ends."""
 
-    value: float
     min: float
     max: float
-
-
-class Vector(_Input, Protocol):
-    """Three numbers."""
-
-    value: tuple[float, float, float]
 
 
 class Button(Handle, Protocol):

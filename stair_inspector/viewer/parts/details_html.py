@@ -6,7 +6,7 @@ from stair_inspector.content.remarks import needs_look, on_page
 from stair_inspector.model import Inspection, Up
 from stair_inspector.params import Params
 from stair_inspector.units import tidy
-from stair_inspector.viewer.bridge.markup import DIM, text
+from stair_inspector.viewer.bridge.markup import DIM, aside, text
 
 _DETAILS = 'class="si-results" style="font-size:11.5px;line-height:1.4;padding:2px 9px;overflow-wrap:anywhere'
 
@@ -36,10 +36,7 @@ def up_html(up: Up) -> str:
     """Return the up direction that a result was measured with, and where it came from."""
     vector = ", ".join(f"{tidy(component, 4):.4f}" for component in up.vector)
     source = {"given": "as set", "floor": "from the floor", "treads": "from the treads"}[up.source]
-    return (
-        f'<div data-testid="up-used" style="font-size:12px;color:{DIM};padding:0 9px 6px">'
-        f"Up in use: ({vector}), {source}.</div>"
-    )
+    return aside("up-used", f"Up in use: ({vector}), {source}.", "0 9px 6px")
 
 
 def used_text(inspection: Inspection) -> str:

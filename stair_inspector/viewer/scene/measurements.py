@@ -17,7 +17,7 @@ from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.files.projects import Measurement
 from stair_inspector.geometry.arrays import Floats, Point
 from stair_inspector.units import NOT_KNOWN, Unit, length_text, tidy
-from stair_inspector.viewer.bridge.markup import DIM, LINE, list_key, order_button, text
+from stair_inspector.viewer.bridge.markup import DIM, LINE, aside, list_key, order_button, text
 from stair_inspector.viewer.scene.dimensions import Anchor
 
 RulerMode = Literal["Off", "Point", "Distance"]
@@ -217,10 +217,8 @@ def measurements_html(
         Identity of the control that a button writes to; None for no buttons.
     """
     if not measurements:
-        return (
-            f'<div data-testid="measurements" style="font-size:12px;color:{DIM};padding:2px 9px 6px">'
-            "Nothing measured yet: choose Point or Distance, then shift-click in the scene.</div>"
-        )
+        words = "Nothing measured yet: choose Point or Distance, then shift-click in the scene."
+        return aside("measurements", words)
     cells = "padding:2px 3px;text-align:right;white-space:nowrap"
     head = "".join(
         f'<th style="{cells};font-weight:400;color:{DIM}">{name}</th>'

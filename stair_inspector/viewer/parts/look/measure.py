@@ -9,7 +9,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.cameras import Pose
 from stair_inspector.pictures.display import Display
 from stair_inspector.units import length_text
-from stair_inspector.viewer.bridge.markup import DIM, read_order, text
+from stair_inspector.viewer.bridge.markup import aside, read_order
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.scene.measurements import (
     ORDERS,
@@ -195,8 +195,4 @@ class MeasureTool:
         self._say("Shift-click the second point; Escape forgets the first." if self._ruler.waiting else words)
 
     def _say(self, words: str) -> None:
-        self._told.content = (
-            f'<div data-testid="picked" style="font-size:12px;color:{DIM};padding:2px 9px 4px">{text(words)}</div>'
-            if words
-            else ""
-        )
+        self._told.content = aside("picked", words, "2px 9px 4px") if words else ""

@@ -6,7 +6,7 @@ import viser
 from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.overrules import parse_region
-from stair_inspector.viewer.bridge.markup import DIM, text
+from stair_inspector.viewer.bridge.markup import aside
 from stair_inspector.viewer.parts.part import Context
 
 REGION_TOOLS = ("Around the stair", "Whole scan")
@@ -162,9 +162,7 @@ class RegionTool:
         words = "Measured: the whole scan." if in_force is None else "Measured: what lies in the box."
         if in_force is not None and self._box != _rounded(in_force):
             words = "Measured: another box. Press Measure in the box for this one to count."
-        return (
-            f'<div data-testid="region-told" style="font-size:12px;color:{DIM};padding:0 9px 6px">{text(words)}</div>'
-        )
+        return aside("region-told", words, "0 9px 6px")
 
     def _corners(self) -> Box:
         values = [*self.low.value, *self.high.value]

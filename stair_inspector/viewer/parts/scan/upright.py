@@ -5,7 +5,7 @@ import numpy as np
 from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection
-from stair_inspector.viewer.bridge.markup import DIM, text
+from stair_inspector.viewer.bridge.markup import aside
 from stair_inspector.viewer.parts.details_html import up_html
 from stair_inspector.viewer.parts.part import Context
 
@@ -79,8 +79,7 @@ class UprightTool:
         )
 
     def _say(self, words: str) -> None:
-        said = f'<div data-testid="up-hint" style="font-size:12px;color:{DIM};padding:2px 9px 4px">{text(words)}</div>'
-        self.hint.content = said if words else ""
+        self.hint.content = aside("up-hint", words, "2px 9px 4px") if words else ""
 
 
 def up_of_points(points: Floats, roughly: Floats) -> Floats:

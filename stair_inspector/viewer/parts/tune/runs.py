@@ -11,7 +11,7 @@ from stair_inspector.files.projects import KeptRun
 from stair_inspector.model import Inspection
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.viewer.bridge.markup import DIM, text
+from stair_inspector.viewer.bridge.markup import aside
 from stair_inspector.viewer.bridge.widgets import Widgets, offer
 from stair_inspector.viewer.compute.heavy_process import Cancelled
 from stair_inspector.viewer.compute.side_runs import SideJob, SideRuns
@@ -168,16 +168,16 @@ class RunComparison:
         for choice in (a, b):
             made = shown.inspection if choice is None else self._find(shown, choice.params)
             if isinstance(made, str) and choice is not None:
-                return _said(f"{choice.title}: {made}")
+                return aside("comparison", f"{choice.title}: {made}")
             if made is None and choice is not None:
                 self._ask(shown, choice.params)
-                return _said(f"measuring {choice.title} …")
+                return aside("comparison", f"measuring {choice.title} …")
             if isinstance(made, Inspection):
                 found.append(made)
         try:
             comparison = compare(found[0], found[1])
         except StairError as error:
-            return _said(str(error))
+            return aside("comparison", str(error))
         return comparison_html(comparison, a.title, "what is shown" if b is None else b.title, self._desk.unit)
 
     def _offer(self, titles: tuple[str, ...], a: str, b: str) -> None:
@@ -270,7 +270,3 @@ class RunComparison:
 
 def _next_name(taken: list[str]) -> str:
     return next(name for number in itertools.count(1) if (name := f"run {number}") not in taken)
-
-
-def _said(words: str) -> str:
-    return f'<div data-testid="comparison" style="font-size:12px;color:{DIM};padding:2px 9px 6px">{text(words)}</div>'
