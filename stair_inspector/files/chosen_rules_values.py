@@ -15,7 +15,7 @@ from stair_inspector.files.chosen_rules import (
     LeftEdits,
     RuleFile,
 )
-from stair_inspector.files.toml import check_keys
+from stair_inspector.files.toml import as_table
 
 _KEYS = ("set", "overlays", "decision", "edits", "files")
 _LATER_KEYS = ("left",)
@@ -44,7 +44,7 @@ def chosen_from_dict(values: object, place: str = "rules") -> ChosenRules:
     ConfigError
         An unknown or missing key (the nearest known name is given), or a value that is not possible.
     """
-    table = _table(values, place, _KEYS, _LATER_KEYS)
+    table = as_table(values, place, _KEYS, _LATER_KEYS)
     return ChosenRules(
         set_id=table["set"],
         overlay_ids=tuple(_list(table["overlays"], place, "overlays", MOST_OVERLAYS)),
@@ -85,7 +85,7 @@ def _limit_to_dict(limit: Limit | None) -> dict[str, str] | None:
 def _to_limit(value: object, place: str) -> Limit | None:
     if value is None:
         return None
-    table = _table(value, place, ("written", "unit"))
+    table = as_table(value, place, ("written", "unit"))
     if not isinstance(table["written"], str) or not isinstance(table["unit"], str):
         raise ConfigError(f"{place}: got {brief(value)}; give two texts, as '7 3/4' and 'in'")
     try:
@@ -100,13 +100,13 @@ def _to_edits(value: object, place: str) -> tuple[RuleEdit, ...]:
 
 
 def _to_left(value: object, place: str) -> LeftEdits:
-    table = _table(value, place, ("set", "edits"), ("overlays",))
+    table = as_table(value, place, ("set", "edits"), ("overlays",))
     overlay_ids = tuple(_list(table.get("overlays", []), place, "overlays", MOST_OVERLAYS))
     return LeftEdits(table["set"], _to_edits(table["edits"], place), overlay_ids)
 
 
 def _to_edit(value: object, place: str) -> RuleEdit:
-    table = _table(value, place, _EDIT_KEYS)
+    table = as_table(value, place, _EDIT_KEYS)
     check_id(f"{place}: rule", table["rule"])
     if table["side"] not in get_args(Side):
         raise ConfigError(f"{place}: side: got {brief(table['side'])}; give minimum or maximum")
@@ -118,22 +118,11 @@ def _to_edit(value: object, place: str) -> RuleEdit:
 
 
 def _to_file(value: object, place: str) -> RuleFile:
-    table = _table(value, place, ("name", "text"))
+    table = as_table(value, place, ("name", "text"))
     try:
         return RuleFile(table["name"], table["text"])
     except ConfigError as error:
         raise ConfigError(f"{place}: {error}") from error
-
-
-def _table(value: object, place: str, keys: tuple[str, ...], later: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Return a table that has these keys, and no others but the later ones."""
-    if not isinstance(value, dict):
-        raise ConfigError(f"{place}: got {brief(value)}; give a table with {', '.join(keys)}")
-    check_keys(place, value, (*keys, *later))
-    missing = [key for key in keys if key not in value]
-    if missing:
-        raise ConfigError(f"{place}: the key {missing[0]!r} is missing; give it, or another file")
-    return value
 
 
 def _list(value: object, place: str, name: str, most: int) -> list[Any]:

@@ -15,7 +15,7 @@ from stair_inspector.files.chosen_rules import ChosenRules
 from stair_inspector.files.chosen_rules_values import chosen_from_dict, chosen_to_dict
 from stair_inspector.files.projects import SUFFIX, KeptRun, Measurement, Project, SavedView, check_length
 from stair_inspector.files.settings import params_from_dict, params_to_dict
-from stair_inspector.files.toml import check_keys
+from stair_inspector.files.toml import as_table
 from stair_inspector.params import Params
 
 T = TypeVar("T")
@@ -151,8 +151,8 @@ def _from_values(values: Any) -> Project:
     if not isinstance(values, dict) or values.get("schema") != SCHEMA:
         found = repr(values.get("schema"))[:60] if isinstance(values, dict) else "none"
         raise ConfigError(f"is no project file: the schema is {found}, not {SCHEMA!r}; give another file")
-    values = _check_table(values, "the project", _KEYS, _LATER_KEYS)
-    scan = _check_table(values["scan"], "scan", ("file", "sha256"))
+    values = as_table(values, "the project", _KEYS, _LATER_KEYS)
+    scan = as_table(values["scan"], "scan", ("file", "sha256"))
     return Project(
         scan_file=scan["file"],
         scan_sha256=scan["sha256"],
@@ -183,7 +183,7 @@ def _read_list(
     for number, entry in enumerate(entries, start=1):
         place = f"{field}, entry {number}"
         try:
-            made.append(make(_check_table(entry, "", keys), "settings"))
+            made.append(make(as_table(entry, "", keys), "settings"))
         except ConfigError as error:
             raise ConfigError(f"{place}: {str(error).removeprefix(': ')}") from error
     return tuple(made)
@@ -192,18 +192,6 @@ def _read_list(
 def _to_plain(values: Any) -> dict[str, Any]:
     if not isinstance(values, dict):
         raise ConfigError(f"report: got {str(values)[:60]!r}; give a table")
-    return values
-
-
-def _check_table(values: Any, place: str, keys: Iterable[str], may_be_missing: Iterable[str] = ()) -> dict[str, Any]:
-    """Return a table that has these keys, of others at most those that may be missing."""
-    keys = tuple(keys)
-    if not isinstance(values, dict):
-        raise ConfigError(f"{place}: got {str(values)[:60]!r}; give a table with {', '.join(keys)}")
-    check_keys(place, values, (*keys, *may_be_missing))
-    missing = [key for key in keys if key not in values]
-    if missing:
-        raise ConfigError(f"{place}: the key {missing[0]!r} is missing; give it, or another file")
     return values
 
 

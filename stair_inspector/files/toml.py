@@ -1,4 +1,4 @@
-"""TOML files, read so that every error names the file and the key."""
+"""TOML files and tables of values, read so that every error names the file and the key."""
 
 import difflib
 import re
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, brief
 
 _MAX_BYTES = 1_000_000
 _MOST_PARTS = 50
@@ -77,3 +77,21 @@ def check_keys(place: str, keys: Iterable[str], known: Iterable[str], what: str 
             near = difflib.get_close_matches(key, known, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(sorted(known))}"
             raise ConfigError(f"{place}: unknown {what} {key[:60]!r}; {hint}")
+
+
+def as_table(value: object, place: str, keys: Iterable[str], later: Iterable[str] = ()) -> dict[str, Any]:
+    """Return a table that has these keys, and of others at most the later ones.
+
+    Raises
+    ------
+    ConfigError
+        No table, an unknown key (the nearest known one is named), or a missing one.
+    """
+    keys = tuple(keys)
+    if not isinstance(value, dict):
+        raise ConfigError(f"{place}: got {brief(value)}; give a table with {', '.join(keys)}")
+    check_keys(place, value, (*keys, *later))
+    missing = [key for key in keys if key not in value]
+    if missing:
+        raise ConfigError(f"{place}: the key {missing[0]!r} is missing; give it, or another file")
+    return value

@@ -21,31 +21,19 @@ T = TypeVar("T")
 
 _PATIENCE_S = 0.2
 """A run that takes no longer changes the page at once; a longer one is announced."""
-_STAGE_WORDS = {
-    "read": "reading the file",
-    "normals": "estimating normals",
-    "up": "looking for the floor",
-    "plumb": "asking the treads for the vertical",
-    "heights": "sorting by height",
-    "patches": "telling surfaces apart",
-    "bars": "putting bars together",
-    "flights": "looking for flights",
-    "nosings": "finding the nosings",
-    "survey": "measuring the steps",
+_STAGES = {
+    "read": ("reading the file", 5.0),
+    "normals": ("estimating normals", 20.0),
+    "up": ("looking for the floor", 60.0),
+    "plumb": ("asking the treads for the vertical", 68.0),
+    "heights": ("sorting by height", 72.0),
+    "patches": ("telling surfaces apart", 80.0),
+    "bars": ("putting bars together", 83.0),
+    "flights": ("looking for flights", 85.0),
+    "nosings": ("finding the nosings", 88.0),
+    "survey": ("measuring the steps", 95.0),
 }
-_STAGE_PERCENT = {
-    "read": 5.0,
-    "normals": 20.0,
-    "up": 60.0,
-    "plumb": 68.0,
-    "heights": 72.0,
-    "patches": 80.0,
-    "bars": 83.0,
-    "flights": 85.0,
-    "nosings": 88.0,
-    "survey": 95.0,
-}
-"""Where the bar stands when a stage begins."""
+"""What is said of a stage, and where the bar stands when it begins, percent."""
 CANCELLED = "cancelled; what is shown is the last good result. Press Run again, move a control, or undo"
 _INTERNAL = "an internal error stopped this run; the server's log has the details. Try other settings"
 
@@ -179,7 +167,7 @@ class Runs:
         if not self._is_wanted():
             raise Cancelled
         self._stage = stage
-        if self._is_announced and stage in _STAGE_WORDS:
+        if self._is_announced and stage in _STAGES:
             self._announce()
 
     def _announce(self) -> None:
@@ -188,5 +176,5 @@ class Runs:
             return
         self._is_announced = True
         size = f" of {self._n_points:,} points" if stage == "normals" and self._n_points else ""
-        words = _STAGE_WORDS.get(stage, "measuring")
-        self._listener.progress(Progress(f"{words}{size} …", _STAGE_PERCENT.get(stage, 90.0)))
+        words, percent = _STAGES.get(stage, ("measuring", 90.0))
+        self._listener.progress(Progress(f"{words}{size} …", percent))
