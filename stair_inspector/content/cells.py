@@ -14,7 +14,8 @@ QUANTITY_WORDS: dict[str, str] = {**{quantity.name: quantity.words for quantity 
 
 
 def millimetres(value_m: float | None) -> float | None:
-    """Return a length in millimetres, to the nanometre as in the CSV."""
+    """Return a length in millimetres."""
+    # Nanometres are enough, and keep 0.1 m from becoming 100.00000000000001 mm.
     return None if value_m is None else round(value_m * 1000.0, 6)
 
 

@@ -4,6 +4,7 @@ All of it is text, readings and pictures that the user gives; what is left empty
 """
 
 import dataclasses
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
@@ -14,14 +15,16 @@ from stair_inspector.content.texts import require_text
 from stair_inspector.errors import ConfigError, brief
 
 Paper = Literal["a4", "us-letter"]
+TextKind = Literal["line", "lines", "date", "time"]
+"""What is written into a field: one line, several, or one that looks like a date or a time."""
 
 MOST_READINGS = 200
 MOST_PHOTOS = 12
 
 
-def _text(label: str, hint: str = "") -> Any:
-    """Return an empty text field; ``label`` stands before it in the report and on the page."""
-    return field(default="", metadata={"label": label, "hint": hint})
+def _text(label: str, hint: str = "", *, group: str = "", kind: TextKind = "line") -> Any:
+    """Return an empty text field; ``label`` stands before it in the report and on the page, ``group`` over it."""
+    return field(default="", metadata={"label": label, "hint": hint, "group": group, "kind": kind})
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +45,12 @@ class _Texts:
         """Return what belongs into the field, empty where the label says it."""
         return str(_metadata(cls, name)["hint"])
 
+    @classmethod
+    def kind_of(cls, name: str) -> TextKind:
+        """Return what is written into the field."""
+        kind: TextKind = _metadata(cls, name)["kind"]
+        return kind
+
 
 def _metadata(kind: type[_Texts], name: str) -> Mapping[str, Any]:
     return next(item.metadata for item in dataclasses.fields(kind) if item.name == name)
@@ -57,67 +66,60 @@ class ReportFields(_Texts):
         A field is no text, too long, or holds what :func:`require_text` refuses.
     """
 
-    title: str = _text("Title", "Heading of the report; empty for 'Stair survey report'")
-    report_number: str = _text("Report no.")
-    revision: str = _text("Revision")
-    client: str = _text("Client")
-    site: str = _text("Site")
-    building: str = _text("Building")
-    stair: str = _text("Stair")
-    flight: str = _text("Flight", "The flights' names on site, from bottom to top")
-    level_from: str = _text("Level from")
-    level_to: str = _text("Level to")
-    inspector: str = _text("Inspector")
-    firm: str = _text("Firm")
-    licence: str = _text("Licence")
-    survey_date: str = _text("Survey date")
-    survey_time: str = _text("Survey time")
-    weather: str = _text("Weather", "Only where the stair is outdoors")
-    surface: str = _text("Surface", "Dry, wet, icy, worn")
-    obstructions: str = _text("Obstructions", "What stood on or before the stair")
-    changes: str = _text("Changes since the incident", "Repairs, removals, cleaning, if any")
-    purpose: str = _text("Purpose")
-    scope: str = _text("Scope")
-    code_reason: str = _text("Reason for this code", "Why this code, edition and variant apply")
-    build_date: str = _text("Date built or altered")
-    occupancy: str = _text("Occupancy or use")
-    instrument_make: str = _text("Make")
-    instrument_model: str = _text("Model")
-    instrument_serial: str = _text("Serial no.")
-    instrument_accuracy: str = _text("Stated accuracy", "As the maker states it")
-    calibration_date: str = _text("Calibrated on")
-    interim_check_date: str = _text("Last interim check", "Interim performance assessment: its date")
-    interim_check_result: str = _text("Result of the interim check")
-    stations: str = _text("Stations", "How many, and where they stood")
-    registration_method: str = _text("Registration method")
-    registration_residual: str = _text("Registration residual")
-    levelling_source: str = _text("Levelling source", "Tilt sensor, level, plumb line, reference plane")
-    limitations: str = _text("Further limitations")
-    signed_by: str = _text("Name")
-    signed_as: str = _text("Function")
-    signed_on: str = _text("Date")
-    reviewed_by: str = _text("Reviewed by")
-    reviewed_on: str = _text("Reviewed on")
+    title: str = _text("Title", "Heading of the report; empty for 'Stair survey report'", group="Report")
+    report_number: str = _text("Report no.", group="Report")
+    revision: str = _text("Revision", group="Report")
+    client: str = _text("Client", group="Object")
+    site: str = _text("Site", group="Object")
+    building: str = _text("Building", group="Object")
+    stair: str = _text("Stair", group="Object")
+    flight: str = _text("Flight", "The flights' names on site, from bottom to top", group="Object")
+    level_from: str = _text("Level from", group="Object")
+    level_to: str = _text("Level to", group="Object")
+    inspector: str = _text("Inspector", group="Survey")
+    firm: str = _text("Firm", group="Survey")
+    licence: str = _text("Licence", group="Survey")
+    survey_date: str = _text("Survey date", group="Survey", kind="date")
+    survey_time: str = _text("Survey time", group="Survey", kind="time")
+    weather: str = _text("Weather", "Only where the stair is outdoors", group="Conditions")
+    surface: str = _text("Surface", "Dry, wet, icy, worn", group="Conditions")
+    obstructions: str = _text("Obstructions", "What stood on or before the stair", group="Conditions", kind="lines")
+    changes: str = _text(
+        "Changes since the incident", "Repairs, removals, cleaning, if any", group="Conditions", kind="lines"
+    )
+    purpose: str = _text("Purpose", group="Commission", kind="lines")
+    scope: str = _text("Scope", group="Commission", kind="lines")
+    occupancy: str = _text("Occupancy or use", group="Commission")
+    build_date: str = _text("Date built or altered", group="Commission", kind="date")
+    code_reason: str = _text(
+        "Reason for this code", "Why this code, edition and variant apply", group="Commission", kind="lines"
+    )
+    instrument_make: str = _text("Make", group="Instrument")
+    instrument_model: str = _text("Model", group="Instrument")
+    instrument_serial: str = _text("Serial no.", group="Instrument")
+    instrument_accuracy: str = _text("Stated accuracy", "As the maker states it", group="Instrument")
+    calibration_date: str = _text("Calibrated on", group="Instrument", kind="date")
+    interim_check_date: str = _text(
+        "Last interim check", "Interim performance assessment: its date", group="Instrument", kind="date"
+    )
+    interim_check_result: str = _text("Result of the interim check", group="Instrument")
+    stations: str = _text("Stations", "How many, and where they stood", group="Scanning", kind="lines")
+    registration_method: str = _text("Registration method", group="Scanning")
+    registration_residual: str = _text("Registration residual", group="Scanning")
+    levelling_source: str = _text(
+        "Levelling source", "Tilt sensor, level, plumb line, reference plane", group="Scanning"
+    )
+    limitations: str = _text("Further limitations", group="Limitations", kind="lines")
+    signed_by: str = _text("Name", group="Sign-off")
+    signed_as: str = _text("Function", group="Sign-off")
+    signed_on: str = _text("Date", group="Sign-off", kind="date")
+    reviewed_by: str = _text("Reviewed by", group="Sign-off")
+    reviewed_on: str = _text("Reviewed on", group="Sign-off", kind="date")
 
 
 FIELD_GROUPS: dict[str, tuple[str, ...]] = {
-    "Report": ("title", "report_number", "revision"),
-    "Object": ("client", "site", "building", "stair", "flight", "level_from", "level_to"),
-    "Survey": ("inspector", "firm", "licence", "survey_date", "survey_time"),
-    "Conditions": ("weather", "surface", "obstructions", "changes"),
-    "Commission": ("purpose", "scope", "occupancy", "build_date", "code_reason"),
-    "Instrument": (
-        "instrument_make",
-        "instrument_model",
-        "instrument_serial",
-        "instrument_accuracy",
-        "calibration_date",
-        "interim_check_date",
-        "interim_check_result",
-    ),
-    "Scanning": ("stations", "registration_method", "registration_residual", "levelling_source"),
-    "Limitations": ("limitations",),
-    "Sign-off": ("signed_by", "signed_as", "signed_on", "reviewed_by", "reviewed_on"),
+    group: tuple(item.name for item in items)
+    for group, items in itertools.groupby(dataclasses.fields(ReportFields), key=lambda item: item.metadata["group"])
 }
 """Every field of :class:`ReportFields`, in the order and the groups of the report and the page."""
 OF_THE_SURVEYOR = ("inspector", "firm", "licence", *FIELD_GROUPS["Instrument"])

@@ -3,18 +3,18 @@
 import datetime
 import re
 
-_DATES = ("survey_date", "calibration_date", "interim_check_date", "build_date", "signed_on", "reviewed_on")
-_TIMES = ("survey_time",)
+from stair_inspector.content.fields import TextKind
+
 _YEAR_FIRST = re.compile(r"(?P<year>[0-9]{4})[-./](?P<a>[0-9]{1,2})[-./](?P<b>[0-9]{1,2})")
 _YEAR_LAST = re.compile(r"(?P<a>[0-9]{1,2})[-./](?P<b>[0-9]{1,2})[-./](?P<year>[0-9]{4})")
 _CLOCK = re.compile(r"(?P<hour>[0-9]{1,2}):(?P<minute>[0-9]{2})(?::(?P<second>[0-9]{2}))?")
 
 
-def odd_moment(name: str, text: str) -> str:
+def odd_moment(kind: TextKind, text: str) -> str:
     """Return a sentence where the text of a date's or time's field looks like one and is none, else nothing."""
-    if name in _DATES and _is_impossible_date(text):
+    if kind == "date" and _is_impossible_date(text):
         return f"{text!r} is no day of the calendar; it stays as it is written."
-    if name in _TIMES and _is_impossible_time(text):
+    if kind == "time" and _is_impossible_time(text):
         return f"{text!r} is no time of a day; it stays as it is written."
     return ""
 

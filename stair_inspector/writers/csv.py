@@ -4,6 +4,7 @@ import csv
 import io
 from typing import Any
 
+from stair_inspector.content.cells import millimetres
 from stair_inspector.model import Inspection, Step
 from stair_inspector.quantities import IN_FILES, ON_LINES, PAPER_QUANTITIES, with_above
 from stair_inspector.quantity_types import LINES
@@ -29,18 +30,13 @@ def _row_of(step: Step, above: Step | None) -> list[Any]:
     for quantity in ON_LINES:
         values += quantity.lines_of(step)
     return [
-        _millimetres(value) if name.endswith("_m") else value for name, value in zip(_SI_COLUMNS, values, strict=True)
+        millimetres(value) if name.endswith("_m") else value for name, value in zip(_SI_COLUMNS, values, strict=True)
     ]
 
 
 def _column(name: str) -> str:
     """Return a column's name in the table's unit: millimetres for metres."""
     return name.removesuffix("_m") + "_mm" if name.endswith("_m") else name
-
-
-def _millimetres(value_m: float | None) -> float | None:
-    # Nanometres are enough, and keep 0.1 m from becoming 100.00000000000001 mm.
-    return None if value_m is None else round(value_m * 1000.0, 6)
 
 
 _SI_COLUMNS = (

@@ -39,7 +39,6 @@ _PICTURES = ".png,.jpg,.jpeg"
 _LISTS = {DELETE: ("readings", "reading"), DELETE_PHOTO: ("photos", "photograph")}
 """What the first word of an order means: a list of the report's basis, and what one of it is called."""
 _ANGLE_UNITS = ("deg", "%")
-_MULTILINE = ("obstructions", "changes", "purpose", "scope", "code_reason", "stations", "limitations")
 _ELSEWHERE = ("title",)
 """The title of the inspection stands above, and is that of the report."""
 
@@ -106,7 +105,7 @@ class ReportForm:
         except ConfigError:
             self._put_back(part, name, words, getattr(getattr(self._editor.work.basis, part), name))
             raise
-        odd = odd_moment(name, kept)
+        odd = odd_moment(type(getattr(self._editor.work.basis, part)).kind_of(name), kept)
         if odd:
             self._desk.notices.tell(label, odd)
         self._desk.changed(PageChange.HISTORY)
@@ -241,7 +240,7 @@ class ReportForm:
         for name in names:
             self._texts[part, name] = widgets.text(
                 kind.label_of(name),
-                is_multiline=name in _MULTILINE,
+                is_multiline=kind.kind_of(name) == "lines",
                 hint=kind.hint_of(name) or None,
                 on_change=partial(self.set_text, part, name),
             )
