@@ -179,7 +179,7 @@ def test_the_uncertainties_of_differences_and_spreads_hold_once_the_registration
 
 def marked_on_page(inspection: Inspection, result: Check) -> dict[int, str]:
     """The sign that a step has in the page's results by step, where it has one."""
-    rows = re.findall(r'data-of="(\d+)"(.*?)</tr>', steps_html(inspection, result, None, None), re.DOTALL)
+    rows = re.findall(r'data-of="(\d+)"(.*?)</tr>', steps_html(inspection, result, None, "pick"), re.DOTALL)
     signs = {int(step): re.search(r'data-testid="mark"[^>]*>(.)</b>', row) for step, row in rows}
     return {step: found[1] for step, found in signs.items() if found is not None}
 

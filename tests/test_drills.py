@@ -56,13 +56,13 @@ found = {
     "schema": "nosing_height_m" in with_quantities(schema)["$defs"]["step"]["required"],
     "XLSX": "Nosing height (mm)" in [cell.value for cell in workbook["Steps"][1]],
     "report": "Nosing height" in html_bytes(document).decode() and words in html_bytes(document).decode(),
-    "table": words in table_html(inspection, PALETTE, None, None, "survey"),
+    "table": words in table_html(inspection, PALETTE, None, "pick", "survey"),
     "card": f"{words} ± " in card_html(inspection, 2, PALETTE) and "nosing height" in card_html(inspection, 2, PALETTE),
     "comparison": "nosing" in comparison_html(compare(inspection, inspection), "a", "b"),
     "sweep": "mean_nosing_height_m" in SWEPT_QUANTITIES,
     "terminal": "nosing_mm" in inspection_text(inspection) and f"{words} ± " in inspection_text(inspection),
     "help": "above the scan's zero" in quantities_text(),
-    "hint": "Height of the nosing on the centre line" in table_html(inspection, PALETTE, None, None, "survey"),
+    "hint": "Height of the nosing on the centre line" in table_html(inspection, PALETTE, None, "pick", "survey"),
     "readings": "nosing_height" in STEP_READINGS,
 }
 print([place for place, is_there in found.items() if not is_there])

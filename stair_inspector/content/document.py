@@ -117,7 +117,7 @@ class Table:
         return dict(self.tones).get(row, "plain")
 
 
-Part = tuple[Column | Sequence[Column], Callable[[Entry], Cell | Sequence[Cell]]]
+TablePart = tuple[Column | Sequence[Column], Callable[[Entry], Cell | Sequence[Cell]]]
 """One column, or a few, of a table that is made by :func:`table_of`, and what stands there of an entry."""
 
 
@@ -125,7 +125,7 @@ def table_of(
     key: str,
     title: str,
     entries: Iterable[Entry],
-    *parts: Part[Entry],
+    *parts: TablePart[Entry],
     note: str = "",
     empty: str = "",
     tone: Callable[[Entry], Tone] | None = None,

@@ -7,7 +7,7 @@ from stair_inspector.codes.findings import Check, Finding, Fit, Verdict, gravest
 from stair_inspector.codes.phrases import limit_words, limits_text
 from stair_inspector.codes.rules import GRADES, Rule
 from stair_inspector.content.cells import numbers_of, outside_counts
-from stair_inspector.content.document import Cell, Column, Number, Part, Status, Table, Tone, plain, table_of
+from stair_inspector.content.document import Cell, Column, Number, Status, Table, TablePart, Tone, plain, table_of
 from stair_inspector.content.fields import Checklist
 from stair_inspector.content.note_words import note_words
 from stair_inspector.model import Inspection
@@ -154,7 +154,7 @@ def by_step_table(inspection: Inspection, check: Check) -> Table:
         here = tuple(found for found in told[step_id] if found.rule.rule_id == rule.rule_id)
         return _status_at(gravest(here)) if here else None
 
-    def part_of(rule: Rule) -> Part[int]:
+    def part_of(rule: Rule) -> TablePart[int]:
         title = f"{plain(rule.clause)}: {limited_words(rule)}"
         return Column(title, plain(limits_text(check.rule_set, rule)), width=1.2), lambda step_id: cell(step_id, rule)
 

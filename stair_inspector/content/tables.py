@@ -18,7 +18,7 @@ from stair_inspector.content.cells import (
     unit_in_report,
     with_u,
 )
-from stair_inspector.content.document import Cell, Column, Part, Table, Tone, table_of
+from stair_inspector.content.document import Cell, Column, Table, TablePart, Tone, table_of
 from stair_inspector.content.values import flight_value, steps_of
 from stair_inspector.model import Flight, Inspection, Statistics, Step
 from stair_inspector.quantities import COMPARED, ON_LINES, SHOWN_OF_PAPER, in_report, step_value, with_above
@@ -34,13 +34,13 @@ def flights_table(inspection: Inspection) -> Table:
     A radius, and what is seen and was not measured, have columns where a flight has them.
     """
     flights = inspection.flights
-    radius: Part[Flight] = (with_u("Radius", "mm", 0), lambda each: rounded(lengths(each.radius_m), 0))
-    more: Part[Flight] = (Column("Goes on", width=3.0), lambda each: each.goes_on)
+    radius: TablePart[Flight] = (with_u("Radius", "mm", 0), lambda each: rounded(lengths(each.radius_m), 0))
+    more: TablePart[Flight] = (Column("Goes on", width=3.0), lambda each: each.goes_on)
 
-    def total(name: str, what: str) -> Part[Flight]:
+    def total(name: str, what: str) -> TablePart[Flight]:
         return with_u(name, "mm", 1), lambda each: rounded(lengths(flight_value(inspection, each, what)), 1)
 
-    def of(name: str, quantity: str, figure: str) -> Part[Flight]:
+    def of(name: str, quantity: str, figure: str) -> TablePart[Flight]:
         def cell(flight: Flight) -> Cell:
             found: Statistics | None = getattr(flight, quantity)
             return None if found is None else millimetres(getattr(found, figure))
@@ -91,10 +91,10 @@ def steps_table(inspection: Inspection, check: Check | None) -> Table:
     )
 
 
-def _in_report(table: Literal["steps", "evidence"]) -> Iterable[Part[tuple[Step, Step | None]]]:
+def _in_report(table: Literal["steps", "evidence"]) -> Iterable[TablePart[tuple[Step, Step | None]]]:
     """Yield the columns of the quantities that stand in a table, and their cells."""
 
-    def part_of(quantity: Quantity) -> Part[tuple[Step, Step | None]]:
+    def part_of(quantity: Quantity) -> TablePart[tuple[Step, Step | None]]:
         return columns_for(quantity), lambda pair: cells_of(quantity, quantity.of(*pair))
 
     return map(part_of, in_report(table))
@@ -134,7 +134,7 @@ def evidence_table(inspection: Inspection, check: Check | None) -> Table:
 def paper_table(inspection: Inspection) -> Table:
     """Return the quantities of the paper's method."""
 
-    def part_of(quantity: PaperQuantity) -> Part[Step]:
+    def part_of(quantity: PaperQuantity) -> TablePart[Step]:
         def cell(step: Step) -> Cell:
             value = quantity.of_paper(step.paper)
             return millimetres(value) if quantity.unit == "m" else value

@@ -51,7 +51,7 @@ def test_what_says_only_how_a_value_came_about_is_not(code):
 
 
 def status(inspection, busy=None):
-    return state_html(inspection, busy=busy, error=None, is_stale=False)
+    return state_html(inspection, busy=busy, error=None, is_stale=False, cancel_uuid="stop")
 
 
 def test_the_status_tells_that_notes_need_a_look():

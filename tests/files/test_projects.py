@@ -201,7 +201,7 @@ def test_saving_that_fails_leaves_the_old_project(tmp_path, monkeypatch):
         ({"settings__levels__eps_m": 5}, "settings: levels.eps_m: got 5; give a value from 0.001 to 0.1"),
         ({"settings__overrules__force": "x"}, "settings: overrules.force: got 'x'; give entries such as"),
         ({"measurements": {}}, "measurements: got '{}'; give a list"),
-        ({"measurements__1": 3}, "measurements, entry 2: got '3'; give a table with name, points_m"),
+        ({"measurements__1": 3}, "measurements, entry 2: got 3; give a table with name, points_m"),
         ({"measurements__0__nam": 3}, "measurements, entry 1: unknown key 'nam'; did you mean 'name'?"),
         ({"measurements__0__points_m": []}, "measurements, entry 1: measurement 'landing corner': points_m: give one "),
         ({"measurements__0__points_m": [[1, 2]]}, "measurements, entry 1: measurement 'landing corner': points_m: got"),

@@ -227,7 +227,7 @@ def test_a_size_that_is_no_picture_is_refused(stair):
 def test_it_needs_no_display_and_no_browser():
     code = (
         "import sys; from tests.viewer.surveyed import surveyed;"
-        "from stair_inspector.pictures.render import report_views;"
+        "from stair_inspector.pictures.report_views import report_views;"
         "scan, inspection, _ = surveyed(); views = report_views(scan, inspection, '2026-11-22', width=600);"
         "assert len(views) == 6; loaded = set(sys.modules);"
         "assert not loaded & {'viser', 'playwright', 'matplotlib', 'OpenGL', 'pyglet'}, loaded"

@@ -61,13 +61,13 @@ def table_head(columns: tuple[tuple[str, str, str], ...], left: tuple[str, ...] 
     return f'<thead><tr style="border-bottom:1px solid {LINE}">{cells}</tr></thead>'
 
 
-def row_start(pick_uuid: str | None, number: int, word: str, *, is_selected: bool) -> str:
+def row_start(pick_uuid: str, number: int, word: str, *, is_selected: bool) -> str:
     """Return the opening tag of a table's row that chooses a step or a surface when it is clicked.
 
     Parameters
     ----------
-    pick_uuid : str, optional
-        Identity of the control that a click writes to; None for a row that cannot be clicked.
+    pick_uuid : str
+        Identity of the control that a click writes to.
     number : int
         Of the step or surface.
     word : str
@@ -75,16 +75,12 @@ def row_start(pick_uuid: str | None, number: int, word: str, *, is_selected: boo
     is_selected : bool
         Whether the row is emphasised.
     """
-    style = f"border-bottom:1px solid {LINE};"
-    style += f"background:{CHOSEN};font-weight:600;" if is_selected else ""
-    click = ""
-    if pick_uuid is not None:
-        click = row_attributes(pick_script(pick_uuid, number, word))
-        style += "cursor:pointer;"
+    emphasis = f"background:{CHOSEN};font-weight:600;" if is_selected else ""
     kind = word or "step"
     return (
         f'<tr data-testid="{kind}-row" data-{kind}="{number}" aria-selected="{"true" if is_selected else "false"}" '
-        f'style="{style}"{click}>'
+        f'style="border-bottom:1px solid {LINE};{emphasis}cursor:pointer;"'
+        f"{row_attributes(pick_script(pick_uuid, number, word))}>"
     )
 
 
@@ -166,10 +162,8 @@ def list_key(entries: tuple[object, ...]) -> int:
     return hash(entries) & 0xFFFF_FFFF
 
 
-def order_button(order_uuid: str | None, word: str, key: int, number: int, title: str, sign: str = "✕") -> str:
-    """Return the button of a row, which writes ``word key number:time`` into a hidden control; nothing without one."""
-    if order_uuid is None:
-        return ""
+def order_button(order_uuid: str, word: str, key: int, number: int, title: str, sign: str = "✕") -> str:
+    """Return the button of a row, which writes ``word key number:time`` into a hidden control."""
     return (
         f'<button type="button" data-order="{word}" title="{text(title)}" aria-label="{text(title)}" '
         'style="border:0;background:none;cursor:pointer;color:inherit;padding:0 4px" '

@@ -25,15 +25,15 @@ def offered_cures(inspection: Inspection | None) -> tuple[Cure, ...]:
     return tuple(cure for found in examined(inspection) for cure in cures_of(found))
 
 
-def headline_html(inspection: Inspection | None, pick_uuid: str | None) -> str:
+def headline_html(inspection: Inspection | None, pick_uuid: str) -> str:
     """Return what stands above the tabs: questions in full with their answers, the rest on a line each.
 
     Parameters
     ----------
     inspection : Inspection, optional
         None shows nothing, as one of a sound scan does.
-    pick_uuid : str, optional
-        Identity of the control that a button writes to; None for no buttons.
+    pick_uuid : str
+        Identity of the control that a button writes to.
     """
     if inspection is None or not inspection.examination:
         return ""
@@ -45,7 +45,7 @@ def headline_html(inspection: Inspection | None, pick_uuid: str | None) -> str:
     return _block("examination", rows, "0 9px 7px")
 
 
-def examination_html(inspection: Inspection | None, pick_uuid: str | None) -> str:
+def examination_html(inspection: Inspection | None, pick_uuid: str) -> str:
     """Return what the Scan tab begins with: everything that was found about the scan, each with its cure."""
     if inspection is None or not inspection.examination:
         return ""
@@ -60,7 +60,7 @@ def _block(name: str, rows: Sequence[str], padding: str) -> str:
     )
 
 
-def _row(found: Observation, inspection: Inspection, pick_uuid: str | None, *, is_full: bool) -> str:
+def _row(found: Observation, inspection: Inspection, pick_uuid: str, *, is_full: bool) -> str:
     words = on_page(found.message)
     cures = cures_of(found)
     said = "" if found.cure.startswith("--") and cures else on_page(found.cure)
@@ -80,8 +80,8 @@ def _row(found: Observation, inspection: Inspection, pick_uuid: str | None, *, i
     )
 
 
-def _buttons(cures: Sequence[Cure], inspection: Inspection, pick_uuid: str | None, *, is_answer: bool) -> str:
-    if pick_uuid is None or not cures:
+def _buttons(cures: Sequence[Cure], inspection: Inspection, pick_uuid: str, *, is_answer: bool) -> str:
+    if not cures:
         return ""
     offered = offered_cures(inspection)
     key = list_key(offered)

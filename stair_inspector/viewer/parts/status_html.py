@@ -17,7 +17,7 @@ def state_html(
     error: str | None,
     is_stale: bool,
     percent: float | None = None,
-    cancel_uuid: str | None = None,
+    cancel_uuid: str,
 ) -> str:
     """Return the line that says what is going on, and the sentence of an error.
 
@@ -35,7 +35,7 @@ def state_html(
         The result shown is not that of the present settings.
     percent : float, optional
         How far the computing is.
-    cancel_uuid : str, optional
+    cancel_uuid : str
         Identity of the control that stops it.
     """
     if error is not None:
@@ -45,7 +45,7 @@ def state_html(
     else:
         badge = _badge("●", "#2f9e44", "up to date")
     words = _headline(inspection, with_more=busy is None)
-    cancel = _cancel_html(cancel_uuid) if percent is not None and cancel_uuid is not None else ""
+    cancel = _cancel_html(cancel_uuid) if percent is not None else ""
     lines = [
         f'<div data-testid="state" data-state="{_state(busy, error)}" style="display:flex;gap:5px;align-items:center;'
         f'height:20px;white-space:nowrap">{badge}<span style="flex:1;overflow:hidden;text-overflow:ellipsis">{words}'

@@ -32,7 +32,7 @@ def table_html(
     inspection: Inspection | None,
     palette: Palette,
     selected: int | None,
-    pick_uuid: str | None,
+    pick_uuid: str,
     columns: Columns = "paper",
     unit: Unit = "mm",
     folded: frozenset[int] = frozenset(),
@@ -48,8 +48,8 @@ def table_html(
         Colours of the chips.
     selected : int, optional
         Step whose row is emphasised.
-    pick_uuid : str, optional
-        Identity of the control that a click on a row writes to; None for rows that cannot be clicked.
+    pick_uuid : str
+        Identity of the control that a click on a row writes to.
     columns : {"survey", "paper"}
         The survey's values with their uncertainties, flight by flight; or the paper's, after a row for the floor.
     unit : {"mm", "in"}
@@ -100,7 +100,7 @@ def _paper_rows(
     inspection: Inspection,
     palette: Palette,
     selected: int | None,
-    pick_uuid: str | None,
+    pick_uuid: str,
     marks: Mapping[int, StepMark],
 ) -> str:
     rows = []
@@ -112,7 +112,7 @@ def _paper_rows(
     return "".join(rows)
 
 
-def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str | None, mark: StepMark | None) -> str:
+def _step_row(step: Step, palette: Palette, is_selected: bool, pick_uuid: str, mark: StepMark | None) -> str:
     cells = [
         *(
             number_text(each.of_paper(step.paper), shown_in(each.unit, "mm"), 1 if each.unit == "m" else 2)

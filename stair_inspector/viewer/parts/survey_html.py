@@ -54,7 +54,7 @@ def survey_rows(
     inspection: Inspection,
     palette: Palette,
     selected: int | None,
-    pick_uuid: str | None,
+    pick_uuid: str,
     unit: Unit = "mm",
     folded: frozenset[int] = frozenset(),
     marks: Mapping[int, StepMark] | None = None,
@@ -135,20 +135,18 @@ def _by_flight(inspection: Inspection) -> list[tuple[Flight | None, list[Step]]]
     return [*groups, (None, rest)] if rest else groups
 
 
-def _flight_row(flight: Flight, unit: Unit, pick_uuid: str | None, *, is_folded: bool) -> str:
+def _flight_row(flight: Flight, unit: Unit, pick_uuid: str, *, is_folded: bool) -> str:
     rise, going = range_text("rise", flight.rise, unit), range_text("going", flight.going, unit)
     width = f"width {measured_text(flight.width_m, unit)}" if flight.width_m is not None else ""
     means = (_mean("rise", flight.rise, unit), going, _mean("going", flight.going, unit))
     hint = "; ".join(part for part in (*means, width) if part)
-    fold = ""
-    if pick_uuid is not None:
-        press = press_attribute(pick_script(pick_uuid, flight.flight_id, FLIGHT))
-        words = f"{'unfold' if is_folded else 'fold'} flight {flight.flight_id}"
-        fold = (
-            f'<button type="button" data-testid="fold" aria-expanded="{"false" if is_folded else "true"}" '
-            f'aria-label="{words}" title="{words}" {press} style="border:0;background:none;'
-            f'padding:0 4px 0 0;cursor:pointer;color:inherit;font-size:11px">{"▸" if is_folded else "▾"}</button>'
-        )
+    press = press_attribute(pick_script(pick_uuid, flight.flight_id, FLIGHT))
+    words = f"{'unfold' if is_folded else 'fold'} flight {flight.flight_id}"
+    fold = (
+        f'<button type="button" data-testid="fold" aria-expanded="{"false" if is_folded else "true"}" '
+        f'aria-label="{words}" title="{words}" {press} style="border:0;background:none;'
+        f'padding:0 4px 0 0;cursor:pointer;color:inherit;font-size:11px">{"▸" if is_folded else "▾"}</button>'
+    )
     return _headline_row(flight_text(flight), rise, hint, flight.flight_id, fold)
 
 
@@ -171,7 +169,7 @@ def _step_row(
     above: Step | None,
     palette: Palette,
     is_selected: bool,
-    pick_uuid: str | None,
+    pick_uuid: str,
     unit: Unit,
     worst: dict[str, Statistics],
     mark: StepMark | None,

@@ -67,7 +67,7 @@ class StepTable:
             inspection,
             desk.palette,
             desk.selected,
-            self.uuid if inspection is not None else None,
+            self.uuid,
             columns,
             desk.unit,
             folded=desk.folded,

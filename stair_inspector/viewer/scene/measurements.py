@@ -200,9 +200,7 @@ def drawing_of(
     )
 
 
-def measurements_html(
-    measurements: tuple[Measurement, ...], up: Floats | None, unit: Unit, order_uuid: str | None
-) -> str:
+def measurements_html(measurements: tuple[Measurement, ...], up: Floats | None, unit: Unit, order_uuid: str) -> str:
     """Return the list of measurements, a row for each with its values and buttons to look at it and to delete it.
 
     Parameters
@@ -213,8 +211,8 @@ def measurements_html(
         Upwards; without a result distances have no parts.
     unit : {"mm", "in"}
         Of the lengths.
-    order_uuid : str, optional
-        Identity of the control that a button writes to; None for no buttons.
+    order_uuid : str
+        Identity of the control that a button writes to.
     """
     if not measurements:
         words = "Nothing measured yet: choose Point or Distance, then shift-click in the scene."
@@ -251,8 +249,8 @@ def measurements_html(
     )
 
 
-def order_buttons(order_uuid: str | None, key: int, number: int, name: str) -> str:
-    """Return the buttons of a list's row that show and delete what is named; nothing without a control."""
+def order_buttons(order_uuid: str, key: int, number: int, name: str) -> str:
+    """Return the buttons of a list's row that show and delete what is named."""
     signs: tuple[tuple[Order, str, str], ...] = (("show", "◎", "look at"), ("delete", "✕", "delete"))
     return "".join(
         order_button(order_uuid, order, key, number, f"{words} {name}", sign) for order, sign, words in signs

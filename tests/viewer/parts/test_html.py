@@ -61,7 +61,7 @@ def cells(row):
 
 
 def test_the_table_has_the_floor_and_a_row_for_each_step_with_its_numbers(inspection):
-    rows = Page(table_html(inspection, PALETTE, None, None)).rows[1:]
+    rows = Page(table_html(inspection, PALETTE, None, "pick")).rows[1:]
     assert cells(rows[0])[0] == "floor"
     assert float(rows[0][1]) == pytest.approx(1000.0 * inspection.floor_h_m, abs=0.05)
     assert cells(rows[0])[2:6] == [""] * 4
@@ -84,7 +84,7 @@ def test_what_is_not_known_is_a_dash_and_never_a_zero(inspection):
     assert (last.paper.h_m, last.paper.d_ff_m, last.paper.theta_deg) == (None, None, None)
     bare = dataclasses.replace(last, plane=dataclasses.replace(last.plane, rms_m=None))
     alone = dataclasses.replace(inspection, steps=(bare,), floor_h_m=None)
-    floor, row = Page(table_html(alone, PALETTE, None, None)).rows[1:]
+    floor, row = Page(table_html(alone, PALETTE, None, "pick")).rows[1:]
     assert floor[1] == "–"
     assert [row[i] for i in (1, 3, 5, 7)] == ["–"] * 4
 
@@ -92,7 +92,7 @@ def test_what_is_not_known_is_a_dash_and_never_a_zero(inspection):
 def test_a_true_zero_is_a_zero(inspection):
     step = inspection.steps[0]
     level = dataclasses.replace(step, paper=dataclasses.replace(step.paper, h_m=0.0, theta_deg=0.0))
-    row = Page(table_html(dataclasses.replace(inspection, steps=(level,)), PALETTE, None, None)).rows[2]
+    row = Page(table_html(dataclasses.replace(inspection, steps=(level,)), PALETTE, None, "pick")).rows[2]
     assert (row[1], row[5]) == ("0.0", "0.00")
 
 
@@ -103,7 +103,6 @@ def test_only_the_chosen_row_is_emphasised(inspection):
 
 
 def test_rows_can_be_clicked_only_when_there_is_something_to_write_to(inspection):
-    assert not [row for row in Page(table_html(inspection, PALETTE, None, None)).of("tr") if "onclick" in row]
     rows = [row for row in Page(table_html(inspection, PALETTE, None, "some-id")).of("tr") if "data-step" in row]
     for row in rows:
         assert row["onclick"] == pick_script("some-id", int(row["data-step"]))
@@ -116,13 +115,13 @@ def test_the_script_of_a_row_keeps_a_hostile_identity_inside_its_string():
 
 
 def test_no_result_and_no_steps_are_told_apart(inspection):
-    assert Page(table_html(None, PALETTE, None, None)).rows[1:] == []
+    assert Page(table_html(None, PALETTE, None, "pick")).rows[1:] == []
     empty = dataclasses.replace(inspection, steps=())
-    assert Page(table_html(empty, PALETTE, None, None)).rows[-1] == ["No steps."]
+    assert Page(table_html(empty, PALETTE, None, "pick")).rows[-1] == ["No steps."]
 
 
 def test_the_histogram_has_a_band_for_each_level_in_its_colour_and_place(inspection):
-    page = Page(histogram.histogram_html(inspection, PALETTE))
+    page = Page(histogram.histogram_html(inspection, PALETTE, "pick"))
     assert [int(group["data-level"]) for group in page.of("g")] == [level.level_id for level in inspection.levels]
     bands = [rect for rect in page.of("rect") if rect["y"] == "14"]
     colors = [PALETTE.floor, *(PALETTE.of_step(k) for k in range(1, 6))]
@@ -135,14 +134,16 @@ def test_the_histogram_has_a_band_for_each_level_in_its_colour_and_place(inspect
     ticks = [(float(t["x"]), t) for t in page.of("text") if t.get("text-anchor") == "middle"]
     names = [
         float(name)
-        for name in re.findall(r'opacity="0.75">(-?[\d.]+)</text>', histogram.histogram_html(inspection, PALETTE))
+        for name in re.findall(
+            r'opacity="0.75">(-?[\d.]+)</text>', histogram.histogram_html(inspection, PALETTE, "pick")
+        )
     ]
     assert 3 <= len(names) == len(ticks) <= 10
     np.testing.assert_allclose(np.polyval([slope, start], names), [x for x, _ in ticks], atol=0.5)
 
 
 def test_the_histogram_has_bars_within_its_frame_and_the_reach_to_scale(inspection):
-    page = Page(histogram.histogram_html(inspection, PALETTE))
+    page = Page(histogram.histogram_html(inspection, PALETTE, "pick"))
     (outline,) = page.of("path")
     tops = [float(y) for y in re.findall(r"V([\d.]+)H", outline["d"])]
     assert len(tops) > 50
@@ -159,7 +160,7 @@ def test_the_histogram_has_bars_within_its_frame_and_the_reach_to_scale(inspecti
 
 
 def test_the_histogram_of_nothing_keeps_its_height():
-    assert f"height:{histogram._HEIGHT}px" in histogram.histogram_html(None, PALETTE)
+    assert f"height:{histogram._HEIGHT}px" in histogram.histogram_html(None, PALETTE, "pick")
 
 
 def test_rejected_levels_are_not_shown_as_steps():
@@ -169,14 +170,14 @@ def test_rejected_levels_are_not_shown_as_steps():
     scan = make_scan(points, np.tile([0.0, 0.0, 1.0], (len(points), 1)))
     rejected = inspect(scan, exact_params())
     assert [level.kind for level in rejected.levels[1:]] == ["rejected", "rejected"]
-    bands = [rect for rect in Page(histogram.histogram_html(rejected, PALETTE)).of("rect") if rect["y"] == "14"]
+    bands = [rect for rect in Page(histogram.histogram_html(rejected, PALETTE, "pick")).of("rect") if rect["y"] == "14"]
     assert [band["fill"] for band in bands[1:]] == [f"rgb{PALETTE.non_stair}"] * 2
 
 
 def test_the_state_says_up_to_date_busy_or_error(inspection):
-    ready = state_html(inspection, busy=None, error=None, is_stale=False)
-    busy = state_html(inspection, busy="estimating normals …", error=None, is_stale=True)
-    failed = state_html(inspection, busy=None, error="no floor was found", is_stale=True)
+    ready = state_html(inspection, busy=None, error=None, is_stale=False, cancel_uuid="stop")
+    busy = state_html(inspection, busy="estimating normals …", error=None, is_stale=True, cancel_uuid="stop")
+    failed = state_html(inspection, busy=None, error="no floor was found", is_stale=True, cancel_uuid="stop")
     states = [Page(source).of("div")[1]["data-state"] for source in (ready, busy, failed)]
     assert states == ["ready", "busy", "error"]
     assert "up to date" in ready
@@ -189,7 +190,7 @@ def test_the_state_says_up_to_date_busy_or_error(inspection):
 
 
 def test_an_error_without_any_result_dims_nothing():
-    assert "opacity" not in state_html(None, busy=None, error="x", is_stale=True)
+    assert "opacity" not in state_html(None, busy=None, error="x", is_stale=True, cancel_uuid="stop")
 
 
 def test_the_legend_has_a_chip_in_every_colour_of_the_palette():
@@ -217,8 +218,8 @@ def test_nothing_that_comes_from_a_file_becomes_markup(inspection):
         header_html(HOSTILE, 10, 5),
         details_html(hostile),
         notes_html(hostile),
-        state_html(quiet, busy=None, error=HOSTILE, is_stale=False),
-        state_html(quiet, busy=HOSTILE, error=None, is_stale=False),
+        state_html(quiet, busy=None, error=HOSTILE, is_stale=False, cancel_uuid="stop"),
+        state_html(quiet, busy=HOSTILE, error=None, is_stale=False, cancel_uuid="stop"),
     ]
     for source in sources:
         page = Page(source)

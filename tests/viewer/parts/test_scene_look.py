@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.pictures.cameras import ORTHO_FOV_RAD, Pose
-from stair_inspector.viewer.parts.studio import place_camera
+from stair_inspector.viewer.scene.framing import place_camera
 from tests.viewer.parts_of import part_of
 
 AWAY = Pose(np.array([16.0, -25.6, 16.4]), np.array([0.0, 0.5, 0.5]), np.array([0.0, 0.0, 1.0]))

@@ -118,17 +118,16 @@ def test_the_buttons_of_a_row_send_orders_that_are_understood():
         order = read_order(sent + "1763800000000", ORDERS)
         assert (order.word, order.index_in(entries, "list")) == (word, index)
         assert button["data-order"] == word
-    assert Page(measurements_html(entries, UP, "mm", None)).of("button") == []
     assert set(ORDERS) == {"show", "delete"}
 
 
 def test_the_list_has_a_row_for_each_with_its_values():
     entries = (Measurement("a", ((1.0, 2.0, 3.0),)), distance((0, 0, 0), (0.3, 0.4, 1.2), "b"))
-    rows = Page(measurements_html(entries, UP, "mm", None)).rows[1:]
-    assert rows == [["a", "1.000, 2.000, 3.000 m", ""], ["b", "1300.0 mm", "500.0 mm", "1200.0 mm", ""]]
-    rows = Page(measurements_html(entries, None, "mm", None)).rows[1:]
-    assert rows[1] == ["b", "–", "–", "–", ""]
-    assert "Nothing measured yet" in measurements_html((), UP, "mm", None)
+    rows = Page(measurements_html(entries, UP, "mm", "orders")).rows[1:]
+    assert rows == [["a", "1.000, 2.000, 3.000 m", "◎✕"], ["b", "1300.0 mm", "500.0 mm", "1200.0 mm", "◎✕"]]
+    rows = Page(measurements_html(entries, None, "mm", "orders")).rows[1:]
+    assert rows[1] == ["b", "–", "–", "–", "◎✕"]
+    assert "Nothing measured yet" in measurements_html((), UP, "mm", "orders")
 
 
 def test_a_name_from_a_file_stays_a_name():

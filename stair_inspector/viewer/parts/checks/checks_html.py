@@ -25,7 +25,7 @@ _CELL = "padding:5px 4px;vertical-align:top"
 STYLE = "font-size:12px;line-height:1.35;padding:2px 12px 6px 9px;overflow-wrap:anywhere"
 
 
-def rules_html(check: Check | None, opened: int | None, pick_uuid: str | None, unit: Unit = "mm") -> str:
+def rules_html(check: Check | None, opened: int | None, pick_uuid: str, unit: Unit = "mm") -> str:
     """Return a row for each rule: verdict, limit, the value that decides, and whether the scan is fit for it.
 
     Parameters
@@ -34,8 +34,8 @@ def rules_html(check: Check | None, opened: int | None, pick_uuid: str | None, u
         None is an empty list.
     opened : int, optional
         Number, from 1, of the rule whose findings are all listed.
-    pick_uuid : str, optional
-        Identity of the control that a click on a row or a step writes to; None for nothing that can be clicked.
+    pick_uuid : str
+        Identity of the control that a click on a row or a step writes to.
     unit : {"mm", "in"}
         Of the measured lengths; limits are written as their code has them.
     """
@@ -58,7 +58,7 @@ def rules_html(check: Check | None, opened: int | None, pick_uuid: str | None, u
 
 
 def steps_html(
-    inspection: Inspection | None, check: Check | None, selected: int | None, pick_uuid: str | None, unit: Unit = "mm"
+    inspection: Inspection | None, check: Check | None, selected: int | None, pick_uuid: str, unit: Unit = "mm"
 ) -> str:
     """Return a row for each step of which there is something to tell, and the numbers of the others.
 
@@ -106,7 +106,7 @@ def _rule_rows(
     number: int,
     fit: Fit,
     findings: tuple[Finding, ...],
-    pick_uuid: str | None,
+    pick_uuid: str,
     unit: Unit,
     *,
     is_open: bool,
@@ -121,9 +121,7 @@ def _rule_rows(
     kind = f' <span style="color:{DIM}">({kind})</span>' if kind else ""
     applies = f'<div style="color:{DIM}">for {text(rule.applies)}</div>' if rule.applies else ""
     hint = f' title="{text(rule.note)}"' if rule.note else ""
-    click = ""
-    if pick_uuid is not None:
-        click = row_attributes(pick_script(pick_uuid, number, RULE), has_buttons=True)
+    click = row_attributes(pick_script(pick_uuid, number, RULE), has_buttons=True)
     found = f"<div>{_value_html(worst, pick_uuid, unit)}</div>{_fit_html(rule, fit, unit)}"
     return (
         f'<tr data-testid="rule-row" data-rule="{text(rule.rule_id)}" data-verdict="{worst.verdict.value}" '
@@ -159,7 +157,7 @@ def _verdict_html(worst: Finding, findings: Sequence[Finding]) -> str:
     return f'{said}<div style="color:{DIM};font-size:11px;padding-left:1.2em">{count}</div>'
 
 
-def _value_html(found: Finding, pick_uuid: str | None, unit: Unit) -> str:
+def _value_html(found: Finding, pick_uuid: str, unit: Unit) -> str:
     """Return the value with its uncertainty, its distance from the limit, and its place; or why there is none."""
     place = _place_html(found, pick_uuid)
     reason = f'<span style="color:{DIM}">{text(on_page(found.reason))}</span>' if found.reason else ""
@@ -209,7 +207,7 @@ def _is_in_inches(rule: Rule, unit: Unit) -> bool:
     return unit == "in" and notation_of(rule.quantity).unit == "mm"
 
 
-def _place_html(found: Finding, pick_uuid: str | None) -> str:
+def _place_html(found: Finding, pick_uuid: str) -> str:
     """Return where a finding is; a click on a step's number chooses the step."""
     if not found.steps:
         return "the scan" if found.flight is None else f"flight {found.flight}"
@@ -217,9 +215,7 @@ def _place_html(found: Finding, pick_uuid: str | None) -> str:
     return f"{word} " + " and ".join(_step_button(step, pick_uuid) for step in found.steps)
 
 
-def _step_button(step: int, pick_uuid: str | None) -> str:
-    if pick_uuid is None:
-        return str(step)
+def _step_button(step: int, pick_uuid: str) -> str:
     return (
         f'<button type="button" data-testid="finding-step" data-of="{step}" title="choose step {step}" '
         f'{button_in_row(pick_script(pick_uuid, step))} style="border:0;background:none;padding:0;cursor:pointer;'
@@ -238,7 +234,7 @@ def _fit_html(rule: Rule, fit: Fit, unit: Unit) -> str:
     )
 
 
-def _findings_html(findings: Sequence[Finding], pick_uuid: str | None, unit: Unit) -> str:
+def _findings_html(findings: Sequence[Finding], pick_uuid: str, unit: Unit) -> str:
     items = "".join(
         f'<li data-testid="finding" data-verdict="{found.verdict.value}" style="padding:1px 0">'
         f"{said_html(tone_of(found.verdict), found.verdict.words)}: {_value_html(found, pick_uuid, unit)}</li>"
@@ -256,14 +252,12 @@ def _step_row(
     mark: str,
     told: tuple[Finding, ...],
     is_selected: bool,
-    pick_uuid: str | None,
+    pick_uuid: str,
     unit: Unit,
 ) -> str:
     worst = gravest(told)
     items = "".join(_step_finding(check, step_id, found, unit) for found in told)
-    click = ""
-    if pick_uuid is not None:
-        click = row_attributes(pick_script(pick_uuid, step_id))
+    click = row_attributes(pick_script(pick_uuid, step_id))
     style = f"border-bottom:1px solid {LINE};cursor:pointer;" + (f"background:{CHOSEN}" if is_selected else "")
     return (
         f'<tr data-testid="check-step-row" data-of="{step_id}" data-verdict="{worst.verdict.value}" '

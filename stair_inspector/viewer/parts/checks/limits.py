@@ -39,7 +39,7 @@ class LimitForm:
             )
             self.reason = widgets.text("Why", hint="In one line; it is kept with the change and stands in the report.")
             self._change = widgets.button(CHANGE, self.edit, icon=viser.Icon.PENCIL)
-            self.edits = widgets.html(edits_html(()))
+            self.edits = widgets.html()
             self._reverts = tuple(
                 widgets.button(f"As in the file: {which}", action, icon=viser.Icon.RESTORE, is_quiet=True)
                 for which, action in (("this rule", self.revert), ("all rules", self.revert_all))

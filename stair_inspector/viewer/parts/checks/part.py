@@ -76,12 +76,12 @@ class ChecksPart(PagePart):
             hint="Guarded: a value nearer to its limit than its uncertainty U is close. Simple: U is not heeded.",
             on_change=self.choose_decision,
         )
-        self.summary = widgets.html(summary_html(None, ""))
-        self.by_rule = widgets.html(rules_html(None, None, None))
-        self.by_step = widgets.html(steps_html(None, None, None, None))
+        self.summary = widgets.html()
+        self.by_rule = widgets.html()
+        self.by_step = widgets.html()
         self.limits = LimitForm(context, choice)
         self.own_rules = OwnRules(context, choice)
-        self.not_assessed = widgets.html(not_assessed_html(None))
+        self.not_assessed = widgets.html()
         self._orders = widgets.orders("Picked result", self.obey)
 
     def show(self, what: frozenset[PageChange]) -> None:

@@ -27,15 +27,15 @@ def logo_html(logo: bytes | None) -> str:
     )
 
 
-def photos_html(photos: tuple[Photo, ...], order_uuid: str | None) -> str:
+def photos_html(photos: tuple[Photo, ...], order_uuid: str) -> str:
     """Return a row for each photograph: small, with its caption and a button to delete it.
 
     Parameters
     ----------
     photos : tuple of Photo
         In the order of the report.
-    order_uuid : str, optional
-        Identity of the control that a button writes to; None for no buttons.
+    order_uuid : str
+        Identity of the control that a button writes to.
     """
     if not photos:
         words = f"No photograph yet; up to {MOST_PHOTOS} stand in the report behind the views."

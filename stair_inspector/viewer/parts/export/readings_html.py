@@ -18,7 +18,7 @@ _SMALL = f"color:{DIM};font-size:10.5px"
 _STYLE = "font-size:12px;line-height:1.3;padding:2px 12px 6px 5px;overflow-wrap:break-word"
 
 
-def readings_html(inspection: Inspection | None, basis: ReportBasis, order_uuid: str | None, unit: Unit = "mm") -> str:
+def readings_html(inspection: Inspection | None, basis: ReportBasis, order_uuid: str, unit: Unit = "mm") -> str:
     """Return two rows for each reading: with its difference from the scan and a button to delete it, and in words.
 
     Parameters
@@ -27,8 +27,8 @@ def readings_html(inspection: Inspection | None, basis: ReportBasis, order_uuid:
         Without a result there is nothing to compare with, and the readings are only counted.
     basis : ReportBasis
         Holds the readings.
-    order_uuid : str, optional
-        Identity of the control that a button writes to; None for no buttons.
+    order_uuid : str
+        Identity of the control that a button writes to.
     unit : str
         Of lengths on the page.
     """

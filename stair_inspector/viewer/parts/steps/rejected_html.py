@@ -16,7 +16,7 @@ _REJECTED_COLUMNS = (
 
 
 def rejected_html(
-    inspection: Inspection | None, color: Rgb, selected: int | None, pick_uuid: str | None, *, is_shown: bool
+    inspection: Inspection | None, color: Rgb, selected: int | None, pick_uuid: str, *, is_shown: bool
 ) -> str:
     """Return the list of rejected surfaces with the reason of each, the largest first.
 
@@ -28,7 +28,7 @@ def rejected_html(
         Of rejected surfaces in the scene.
     selected : int, optional
         Surface whose row is emphasised.
-    pick_uuid : str, optional
+    pick_uuid : str
         Identity of the control that a click on a row writes to.
     is_shown : bool
         False for an empty list.

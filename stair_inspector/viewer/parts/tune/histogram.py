@@ -13,10 +13,10 @@ _HEIGHT = 104
 _BASE = 80
 
 
-def histogram_html(inspection: Inspection | None, palette: Palette, pick_uuid: str | None = None) -> str:
+def histogram_html(inspection: Inspection | None, palette: Palette, pick_uuid: str) -> str:
     """Return the height histogram with a band for each cluster and the reach eps_z to scale.
 
-    With ``pick_uuid``, the identity of a control, a drag over it chooses another reach.
+    A drag over it chooses another reach, which it writes to the control ``pick_uuid``.
     """
     if inspection is None or not len(inspection.profile.counts):
         return f'<div data-testid="histogram" style="height:{_HEIGHT}px"></div>'
@@ -45,7 +45,7 @@ def histogram_html(inspection: Inspection | None, palette: Palette, pick_uuid: s
         for digits, height in round_ticks(low, span)
     )
     reach = max(1.0, at(low + eps_m) - at(low))
-    drag = drag_attributes(pick_uuid, _WIDTH, 1000.0 * span / (_WIDTH - 16.0)) if pick_uuid is not None else ""
+    drag = drag_attributes(pick_uuid, _WIDTH, 1000.0 * span / (_WIDTH - 16.0))
     return (
         '<div data-testid="histogram" class="si-results" style="padding:2px 8px 2px 0">'
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" role="img"{drag} '

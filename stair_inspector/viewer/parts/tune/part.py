@@ -62,9 +62,7 @@ class TunePart(PagePart):
         if what & TABLE_CHANGES:
             self.table.show()
         if what & {PageChange.RESULT, PageChange.THEME}:
-            self.histogram.content = histogram_html(
-                self._desk.inspection, self._desk.palette, self._reach if self._desk.shown is not None else None
-            )
+            self.histogram.content = histogram_html(self._desk.inspection, self._desk.palette, self._reach)
         if PageChange.RESULT in what:
             # The result may be there before it is said that a slider was moved for it.
             self.paper_edges.follow(is_slider=True)

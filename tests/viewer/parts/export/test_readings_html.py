@@ -81,7 +81,6 @@ def test_each_button_deletes_its_row_of_the_list_that_is_shown():
     scripts = [button["onclick"] for button in Page(readings_html(INSPECTION, BASIS, "the-control")).of("button")]
     key = list_key(BASIS.readings)
     assert scripts == [pick_script("the-control", number, f"delete {key}") for number in (1, 2, 3, 4)]
-    assert Page(readings_html(INSPECTION, BASIS, None)).of("button") == []
 
 
 def test_a_list_from_which_one_of_two_equal_readings_is_gone_is_another_list():

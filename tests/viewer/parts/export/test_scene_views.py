@@ -8,7 +8,7 @@ import pytest
 from stair_inspector.pictures.cameras import FOV_RAD, Pose
 from stair_inspector.pictures.report_views import is_residual_map
 from stair_inspector.viewer.parts.export import scene_views
-from stair_inspector.viewer.parts.studio import place_camera
+from stair_inspector.viewer.scene.framing import place_camera
 from stair_inspector.viewer.scene.stage import MODES
 from stair_inspector.viewer.scene.step_marks import StepMark
 from tests.viewer.parts_of import part_of

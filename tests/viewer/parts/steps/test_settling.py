@@ -38,9 +38,9 @@ def test_a_mark_is_in_the_table_on_the_card_and_among_the_notes_and_goes_with_th
     before = session.desk.shown
     await_that(lambda: "hangs on the settings" in part_of(session, "page_settings").notes.content, "nothing is marked")
     assert session.desk.shown is before
-    plain = table_html(session.desk.inspection, session.desk.palette, None, None, "survey")
+    plain = table_html(session.desk.inspection, session.desk.palette, None, "pick", "survey")
     assert "unsettled" not in plain
-    table = table_html(session.desk.marked, session.desk.palette, None, None, "survey")
+    table = table_html(session.desk.marked, session.desk.palette, None, "pick", "survey")
     assert table.count('data-testid="unsettled"') == 1
     assert f'title="{WORDS}"' in table
     session.desk.select(2)
