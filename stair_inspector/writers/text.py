@@ -8,6 +8,7 @@ from stair_inspector.codes.findings import DECISIONS, Check, Finding, Verdict, g
 from stair_inspector.codes.phrases import gap_text, in_place_of, limit_words, limits_text, place_text, value_text
 from stair_inspector.codes.rule_sets import OWN_FILE, RuleSet
 from stair_inspector.codes.rules import GRADES, Rule
+from stair_inspector.content.document import Column, Table, table_of
 from stair_inspector.content.examination import examination_lines
 from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.model import Inspection
@@ -94,7 +95,7 @@ def _ascii_unit(quantity: Quantity | PaperQuantity) -> str:
 
 def check_text(check: Check) -> str:
     """Return a check as text: the set and the decision rule, a row per rule, what is outside, what was not judged."""
-    lines = [*_head_of(check), "", *_indented(_table(_rows_of(check))), ""]
+    lines = [*_head_of(check), "", *_indented(_aligned(_table_of_rules(check))), ""]
     lines += _section("outside", _outside(check))
     lines += _section("not measured or not judged", _unjudged(check))
     lines += _section("the scan is not fit for", _fits_of(check, "not fit"))
@@ -106,15 +107,24 @@ def check_text(check: Check) -> str:
 
 def rule_sets_text(rule_sets: Sequence[RuleSet]) -> str:
     """Return a row per rule set: id, edition, grades, name and variant, SHA-256 of its file."""
-    rows: list[Sequence[str]] = [("id", "grades", "edition", "name and variant")]
-    for each in rule_sets:
-        name = ", ".join(part for part in (each.name, each.variant) if part)
-        rows.append((each.set_id, each.grades, each.edition, f"{name} [overlay]" if each.is_overlay else name))
-    lines = []
-    for row, rule_set in zip(_table(rows), (None, *rule_sets), strict=True):
-        lines.append(row)
-        if rule_set is not None:
-            lines.append(f"    SHA-256 {rule_set.sha256}")
+
+    def name(rule_set: RuleSet) -> str:
+        words = ", ".join(part for part in (rule_set.name, rule_set.variant) if part)
+        return f"{words} [overlay]" if rule_set.is_overlay else words
+
+    table = table_of(
+        "sets",
+        "",
+        rule_sets,
+        (Column("id"), lambda rule_set: rule_set.set_id),
+        (Column("grades"), lambda rule_set: rule_set.grades),
+        (Column("edition"), lambda rule_set: rule_set.edition),
+        (Column("name and variant"), name),
+    )
+    head, *rows = _aligned(table)
+    lines = [head]
+    for row, rule_set in zip(rows, rule_sets, strict=True):
+        lines += [row, f"    SHA-256 {rule_set.sha256}"]
     return "\n".join([*lines, "", *(f"grade {grade}: {words}" for grade, words in GRADES.items())])
 
 
@@ -127,11 +137,16 @@ def quantities_text() -> str:
     }
     lines = []
     for title, group in groups.items():
-        rows: list[Sequence[str]] = [("name", "unit", "building codes", "what it is")]
-        for each in group:
-            term = each.code_term if isinstance(each, Quantity) else ""
-            rows.append((each.name, each.unit, term or "-", each.definition))
-        lines += [f"{title}:", *_indented(_table(rows)), ""]
+        table = table_of(
+            "quantities",
+            title,
+            group,
+            (Column("name"), lambda each: each.name),
+            (Column("unit"), lambda each: each.unit),
+            (Column("building codes"), lambda each: (isinstance(each, Quantity) and each.code_term) or "-"),
+            (Column("what it is"), lambda each: each.definition),
+        )
+        lines += [f"{title}:", *_indented(_aligned(table)), ""]
     return "\n".join(lines).rstrip()
 
 
@@ -161,27 +176,27 @@ def _head_of(check: Check) -> Iterable[str]:
     yield f"  {DECISIONS[check.decision]}"
 
 
-def _rows_of(check: Check) -> list[Sequence[str]]:
-    rows: list[Sequence[str]] = [("rule", "clause", "limit", "value that decides", "margin", "at", "scan", "result")]
-    rule_set = check.rule_set
-    for rule, fit in zip(rule_set.rules, check.fits, strict=True):
-        findings = check.of_rule(rule.rule_id)
-        worst = gravest(findings)
+def _table_of_rules(check: Check) -> Table:
+    rules = check.rule_set.rules
+    found = [check.of_rule(rule.rule_id) for rule in rules]
+
+    def margin(worst: Finding) -> str:
         has_margin = worst.margin is not None and worst.verdict is not Verdict.REPORTED
-        margin = shown(rule.quantity, worst.margin) if has_margin and worst.margin is not None else "-"
-        rows.append(
-            (
-                rule.rule_id,
-                rule.clause,
-                limits_text(rule_set, rule),
-                _value_of(worst),
-                margin,
-                place_text(worst),
-                fit.short,
-                _result_of(rule, worst, findings),
-            )
-        )
-    return rows
+        return shown(worst.rule.quantity, worst.margin) if has_margin and worst.margin is not None else "-"
+
+    return table_of(
+        "rules",
+        "",
+        [(gravest(findings), findings, fit) for findings, fit in zip(found, check.fits, strict=True)],
+        (Column("rule"), lambda each: each[0].rule.rule_id),
+        (Column("clause"), lambda each: each[0].rule.clause),
+        (Column("limit"), lambda each: limits_text(check.rule_set, each[0].rule)),
+        (Column("value that decides"), lambda each: _value_of(each[0])),
+        (Column("margin"), lambda each: margin(each[0])),
+        (Column("at"), lambda each: place_text(each[0])),
+        (Column("scan"), lambda each: each[2].short),
+        (Column("result"), lambda each: _result_of(each[0], each[1])),
+    )
 
 
 def _value_of(found: Finding) -> str:
@@ -190,9 +205,9 @@ def _value_of(found: Finding) -> str:
     return f"{value_text(found)} (tread width)" if is_less else value_text(found)
 
 
-def _result_of(rule: Rule, worst: Finding, findings: Sequence[Finding]) -> str:
+def _result_of(worst: Finding, findings: Sequence[Finding]) -> str:
     words = worst.verdict.words
-    if rule.severity == "advisory" and worst.verdict.is_outside:
+    if worst.rule.severity == "advisory" and worst.verdict.is_outside:
         words += " (advisory)"
     if len(findings) == 1:
         return words
@@ -252,14 +267,15 @@ def _section(title: str, sentences: Iterable[str]) -> list[str]:
     return [f"  {title}:", *rows, ""] if rows else []
 
 
-def _table(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return the rows with their columns aligned, two spaces between them."""
-    widths = [max(map(_width, column)) for column in zip(*rows, strict=True)]
-    lines = []
-    for row in rows:
-        cells = (cell + " " * (width - _width(cell)) for cell, width in zip(row, widths, strict=True))
-        lines.append("  ".join(cells).rstrip())
-    return lines
+def _aligned(table: Table) -> list[str]:
+    """Return the head and the rows of a table, its columns aligned, two spaces between them."""
+    heads = [column.title for column in table.columns]
+    cells = [[column.text(cell) for column, cell in zip(table.columns, row, strict=True)] for row in table.rows]
+    widths = [max(map(_width, column)) for column in zip(heads, *cells, strict=True)]
+    return [
+        "  ".join(cell + " " * (width - _width(cell)) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in (heads, *cells)
+    ]
 
 
 def _width(text: str) -> int:

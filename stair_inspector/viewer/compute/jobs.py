@@ -4,6 +4,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import TypeVar
 
 from stair_inspector.errors import ConfigError
@@ -64,13 +65,13 @@ class Making:
             raise ConfigError(f"{words}: {self._words} is still being made; wait for it, or press Cancel")
         self._words = words
         self._job = job = _Job(self._show, self._is_closed)
-        outcome: list[T | _Failed] = []
+        outcome: Future[T] = Future()
 
         def run() -> None:
             try:
-                outcome.append(function(job.tell))
+                outcome.set_result(function(job.tell))
             except BaseException as error:  # noqa: BLE001 - handed on to the thread that waits
-                outcome.append(_Failed(error))
+                outcome.set_exception(error)
             finally:
                 try:
                     job.end()
@@ -86,11 +87,12 @@ class Making:
                 says_at = math.inf
                 job.show(f"making {words} …", _BEGUN_PERCENT)
         job.end()
-        if worker.is_alive() or (isinstance(outcome[0], _Failed) and isinstance(outcome[0].error, Cancelled)):
-            raise ConfigError(f"{words}: cancelled")
-        if isinstance(outcome[0], _Failed):
-            raise outcome[0].error
-        return outcome[0]
+        try:
+            if worker.is_alive():
+                raise Cancelled
+            return outcome.result()
+        except Cancelled as error:
+            raise ConfigError(f"{words}: cancelled") from error
 
 
 class _Job:
@@ -121,8 +123,3 @@ class _Job:
             if not self._is_over:
                 self._is_over = True
                 self._show(None, 0.0)
-
-
-class _Failed:
-    def __init__(self, error: BaseException) -> None:
-        self.error = error

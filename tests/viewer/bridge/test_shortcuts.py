@@ -1,9 +1,5 @@
 """Keys: each has one meaning, and the help card lists them all."""
 
-import threading
-from types import SimpleNamespace
-
-from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_html
 from stair_inspector.viewer.bridge.reach_drag import drag_attributes
 from stair_inspector.viewer.bridge.shortcuts import Command, help_html, key_words
@@ -40,21 +36,3 @@ def test_what_lies_over_the_scene_is_escaped_and_stays_out_of_the_mouses_way():
 
 def test_a_drag_stays_within_the_range_of_eps_z():
     assert "Math.min(100,Math.max(1," in drag_attributes("id", 400.0, 5.0)
-
-
-def test_what_takes_long_is_shown_while_it_lasts_and_what_does_not_is_not():
-    shown, removed = [], []
-    is_shown = threading.Event()
-
-    def add(title, body, **_):
-        shown.append(title)
-        is_shown.set()
-        return SimpleNamespace(remove=lambda: removed.append(title))
-
-    notices = Notices(SimpleNamespace(add_notification=add))
-    with notices.working("short"):
-        pass
-    with notices.working("long"):
-        assert is_shown.wait(10.0)
-        assert removed == []
-    assert (shown, removed) == (["long"], ["long"])
