@@ -24,7 +24,8 @@ from stair_inspector.simulate.scanner import scan as scan_building
 from stair_inspector.simulate.scanner_specs import PROFILES
 from stair_inspector.simulate.scenes import SCENES
 from stair_inspector.simulate.staircase import build
-from tests.benchmarks.accuracy import CASES, EVEN, QUANTITIES, found_values, match, simulate, true_values
+from tests.benchmarks import accuracy
+from tests.benchmarks.accuracy import CASES, EVEN, QUANTITIES, found_values, match, true_values
 from tests.synthetic import Stair, exact_params, make_scan, motion, rotation
 
 REAL = Path(__file__).parents[1].parent / "shared" / "scans"
@@ -38,6 +39,20 @@ MOST = {"rise": 0.6, "going": 1.2, "depth": 1.2, "overhang": 1.2, "pitch": 0.15,
 """Largest error where the edges were seen, millimetres and degrees: so that no u excuses everything."""
 NOSED = Stair(n_steps=5, spacing=0.01, risers=True, noise=0.001, seed=3, floor_depth=1.6)
 """A stair whose points are drawn from its surfaces, so that a turned or scaled copy has the same points exactly."""
+
+simulate = cache(accuracy.simulate)
+"""Each scan is made once."""
+
+
+@cache
+def nosed():
+    """The scan of the nosed stair and the memo of its runs: what does not hang on a changed setting is made once."""
+    return NOSED.scan(), Memo()
+
+
+def inspect_nosed(params):
+    scan, memo = nosed()
+    return inspect(scan, params, memo)
 
 
 @cache
@@ -335,7 +350,7 @@ def assert_same_values(first, second, atol):
 def test_a_shift_and_a_tilt_that_up_follows_change_no_value(turn):
     moved = replace(NOSED, motion=motion(turn, (0.0137, -0.0071, 0.003)))
     after = inspect(moved.scan(origin_m=(691_000.0, 5_335_000.0, 520.0)), exact_params(up=moved.up))
-    assert_same_values(inspect(NOSED.scan(), exact_params()), after, 1e-6)
+    assert_same_values(inspect_nosed(exact_params()), after, 1e-6)
 
 
 def turned(degrees):
@@ -346,7 +361,7 @@ def turned(degrees):
 # The plan cells follow the scan's axes, so other points share a cell after a turn.
 @pytest.mark.parametrize("degrees", [37.0, 90.0, 180.0])
 def test_a_turn_in_plan_moves_no_value_by_more_than_half_its_uncertainty(degrees):
-    still, after = inspect(NOSED.scan(), exact_params()), turned(degrees)
+    still, after = inspect_nosed(exact_params()), turned(degrees)
     assert len(after.steps) == len(still.steps) == NOSED.n_steps
     for step, other in zip(still.steps, after.steps, strict=True):
         for name in SURVEY_VALUES:
@@ -437,9 +452,8 @@ def test_u_is_the_root_of_the_squares_of_its_named_parts():
     ],
 )
 def test_what_the_user_states_enlarges_its_own_part_and_no_other(setting, value, part, alike):
-    scan, memo = NOSED.scan(), Memo()
-    plain = inspect(scan, exact_params(), memo)
-    stated = inspect(scan, exact_params().replaced(setting, value), memo)
+    plain = inspect_nosed(exact_params())
+    stated = inspect_nosed(exact_params().replaced(setting, value))
     for step, other in zip(plain.steps, stated.steps, strict=True):
         for name in SURVEY_VALUES:
             first, second = getattr(step, name), getattr(other, name)
@@ -459,13 +473,12 @@ def test_what_the_user_states_enlarges_its_own_part_and_no_other(setting, value,
 
 
 def test_stated_values_enter_with_k_2():
-    scan, memo = NOSED.scan(), Memo()
-    step = inspect(scan, exact_params().replaced("uncertainty.registration_m", 0.002), memo).steps[1]
+    step = inspect_nosed(exact_params().replaced("uncertainty.registration_m", 0.002)).steps[1]
     assert dict(step.rise_m.parts)["registration"] == 0.004
     assert dict(step.width_m.parts)["registration"] == 0.004
-    step = inspect(scan, exact_params().replaced("uncertainty.scale_percent", 0.5), memo).steps[1]
+    step = inspect_nosed(exact_params().replaced("uncertainty.scale_percent", 0.5)).steps[1]
     assert dict(step.going_m.parts)["scale"] == pytest.approx(2.0 * 0.005 * step.going_m.value)
-    step = inspect(scan, exact_params().replaced("uncertainty.up_deg", 0.2), memo).steps[1]
+    step = inspect_nosed(exact_params().replaced("uncertainty.up_deg", 0.2)).steps[1]
     # A tilt moves a rise by the going times its angle, and a going by the rise times it.
     assert dict(step.rise_m.parts)["up"] == pytest.approx(2.0 * np.radians(0.2) * 0.28, rel=0.01)
     assert dict(step.going_m.parts)["up"] == pytest.approx(2.0 * np.radians(0.2) * 0.17, rel=0.01)
@@ -539,7 +552,7 @@ def overruled(**overrules):
     params = exact_params()
     for name, value in overrules.items():
         params = params.replaced(f"overrules.{name}", value)
-    return inspect(NOSED.scan(), params)
+    return inspect_nosed(params)
 
 
 def test_a_level_that_is_rejected_is_no_step():
@@ -575,9 +588,9 @@ def test_a_forced_landing_parts_the_flight():
 
 def test_a_forced_tread_is_taken_whatever_its_size():
     params = exact_params().replaced("patches.min_area_m2", 0.5)
-    assert inspect(NOSED.scan(), params).steps == ()
+    assert inspect_nosed(params).steps == ()
     forced = params.replaced("overrules.force", "; ".join(f"level:{k}=tread" for k in range(1, 6)))
-    assert len(inspect(NOSED.scan(), forced).steps) == 5
+    assert len(inspect_nosed(forced).steps) == 5
 
 
 def test_a_later_decision_replaces_an_earlier_one():

@@ -26,6 +26,15 @@ def pytest_collection_modifyitems(items):
 
 
 @pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(nextitem):
+    """Close all pages after the last test with a browser: an open one is drawn on and on beside all other tests."""
+    yield
+    if nextitem is None or not nextitem.path.is_relative_to(os.path.dirname(__file__)):
+        for page in list(OPENED):
+            page.close()
+
+
+@pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
     """Add to a failure what the open pages say, and how many messages the server has for each but has not sent."""
     report = yield
@@ -119,13 +128,15 @@ def _shared(browser, app):
     kept = []
     yield kept
     for page in kept:
-        page.close()
+        if page in OPENED:
+            page.close()
 
 
 @pytest.fixture
 def page(request, browser, app, _shared):
     """A page with the preset's settings, the first scan, nothing selected, the steps coloured, seen from home."""
-    if not _shared:
+    if not _shared or _shared[0] not in OPENED:
+        _shared[:] = []
         _shared.append(InspectorPage(browser, app.port).open())
     page = _shared[0]
     page.problems.clear()

@@ -27,6 +27,8 @@ THROTTLE_MS = 80
 """viser sends one edit of a panel in 50 ms and forgets the one before: two edits must be farther apart."""
 PRESET = ("survey", "θ_th 15°", "ε_z 20 mm", "m 50 ", "α 95/5 ", "sides 99 ", "k 30 ", "axes auto", ") floor", "unit m")
 """What the page says of the settings that every page begins with."""
+SCENE_SHARPNESS = 0.5
+"""Pixels of the scene for one of the page: the scene is drawn by the processor, which takes most of its time."""
 VIEW_PANEL = (40, 820)
 """Height and width of the corner that the toolbar over the scene takes up, pixels."""
 OPENED = []
@@ -107,7 +109,7 @@ class InspectorPage:
         self.is_scene_touched = False
         self.page.on("console", self._note_console)
         self.page.on("pageerror", lambda error: self.problems.append(f"page error: {error}"))
-        self.page.goto(f"http://127.0.0.1:{port}/?fixedDpr=1")
+        self.page.goto(f"http://127.0.0.1:{port}/?fixedDpr={SCENE_SHARPNESS}")
 
     def _note_console(self, message):
         if message.type == "error" and not any(known in message.text for known in _KNOWN_NOISE):
