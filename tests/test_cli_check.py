@@ -165,8 +165,8 @@ def test_an_open_question_is_exit_3_and_no_verdict(run, tmp_path, asked_of, stai
     assert {step["rise_m"] for step in document["steps"]} == {None}
 
 
-def test_the_papers_method_is_not_judged(run):  # noqa: F811
-    code, out, err = run("check", STRAIGHT, "--rules", "us-ibc-2024", "--method", "paper")
+def test_the_papers_method_is_not_judged(run, stair_file):  # noqa: F811
+    code, out, err = run("check", stair_file, *UP_Z, "--rules", "us-ibc-2024", "--method", "paper")
     assert code == 3
     assert "measure with the method survey" in err
     assert "outside" not in out.split("not measured or not judged")[1]

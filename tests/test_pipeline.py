@@ -50,6 +50,12 @@ def kept_run():
     return NOISY.scan(), Memo()
 
 
+def inspect_kept(params):
+    """The inspection of that scan; what does not hang on a changed setting is not made again."""
+    scan, memo = kept_run()
+    return inspect(scan, params, memo)
+
+
 def column(inspection, name):
     return [getattr(step.paper, name) for step in inspection.steps]
 
@@ -77,14 +83,14 @@ def test_truth_rms_is_the_noise():
     n = stair.points_per_tread
     # A plane takes three of n degrees of freedom; the scatter of a standard deviation is sigma / sqrt(2 n).
     expected = NOISE * np.sqrt((n - 3) / n)
-    for step in inspect(stair.scan(), exact_params()).steps:
+    for step in inspect_kept(exact_params()).steps:
         assert step.plane.rms_m == pytest.approx(expected, abs=WITHIN * NOISE / np.sqrt(2 * n))
 
 
 def test_truth_normals_are_up_within_noise_over_lever():
     stair = NOISY
     n = stair.points_per_tread
-    for step in inspect(stair.scan(), exact_params()).steps:
+    for step in inspect_kept(exact_params()).steps:
         tolerance = WITHIN * NOISE * np.sqrt(12.0 / n) / np.array([stair.going, stair.width])
         assert (np.abs(step.plane.normal[:2]) < tolerance).all()
 
@@ -118,7 +124,7 @@ def test_truth_with_risers_the_heights_between_equal_treads_stay_right():
 
 def test_truth_every_horizontal_point_is_labelled_with_its_tread():
     stair = NOISY
-    inspection = inspect(stair.scan(), exact_params())
+    inspection = inspect_kept(exact_params())
     expected = np.concatenate([np.full(len(part), k) for k, (part, _) in enumerate(stair.parts())])
     np.testing.assert_array_equal(inspection.labels, expected)
 
@@ -149,7 +155,7 @@ def test_truth_a_wider_limit_of_the_rise_finds_a_stair_that_is_steeper_than_any(
 )
 def test_a_rigid_motion_leaves_every_number(turn, shift, method):
     moved = dataclasses.replace(NOISY, motion=motion(turn, shift))
-    still = inspect(NOISY.scan(), exact_params(method=method))
+    still = inspect_kept(exact_params(method=method))
     after = inspect(moved.scan(), exact_params(method=method, up=moved.up))
     # Coordinates of up to 50 m carry 7e-15 m of rounding, sums of 700 of them 1e-12.
     np.testing.assert_allclose(numbers_of(after), numbers_of(still), rtol=0, atol=1e-9)
@@ -200,7 +206,7 @@ def test_a_mirrored_stair_has_the_same_numbers():
 
 @pytest.mark.parametrize("origin", [(3_500_000.0, 5_800_000.0, 120.0), (-1000.0, 0.0, -40.0)])
 def test_a_scan_far_from_the_origin_loses_nothing(origin):
-    near, far = inspect(NOISY.scan(), exact_params()), inspect(NOISY.scan(origin_m=origin), exact_params())
+    near, far = inspect_kept(exact_params()), inspect(NOISY.scan(origin_m=origin), exact_params())
     np.testing.assert_array_equal(numbers_of(far), numbers_of(near))
     shift = float(np.array(origin) @ near.axes.depth)
     for far_step, step in zip(far.steps, near.steps, strict=True):
@@ -240,7 +246,7 @@ def test_paper_every_cluster_above_the_lowest_is_a_step():
 
 
 def test_paper_the_last_step_has_no_value_that_needs_one_above():
-    last = inspect(NOISY.scan(), exact_params(method="paper")).steps[-1].paper
+    last = inspect_kept(exact_params(method="paper")).steps[-1].paper
     assert (last.h_m, last.d_ff_m, last.theta_deg) == (None, None, None)
     assert min(last.d_fb_m, last.w_m) > 0.0
 
@@ -278,7 +284,7 @@ def test_paper_gives_the_numbers_of_its_stages_alone():
 
 
 def test_paper_leaves_every_field_of_the_survey_empty():
-    inspection = inspect(NOISY.scan(), exact_params(method="paper"))
+    inspection = inspect_kept(exact_params(method="paper"))
     assert (inspection.flights, inspection.patches, inspection.patch_ids) == ((), (), None)
     for step in inspection.steps:
         survey = {f.name: getattr(step, f.name) for f in dataclasses.fields(step)}
@@ -288,8 +294,8 @@ def test_paper_leaves_every_field_of_the_survey_empty():
 
 def test_the_surveys_steps_carry_the_papers_values_of_their_level():
     # Axes as the survey finds them: the paper's own differ by design.
-    by_paper = inspect(NOISY.scan(), exact_params(method="paper").replaced("axes.rule", "per_step"))
-    by_survey = inspect(NOISY.scan(), exact_params().replaced("axes.rule", "per_step"))
+    by_paper = inspect_kept(exact_params(method="paper").replaced("axes.rule", "per_step"))
+    by_survey = inspect_kept(exact_params().replaced("axes.rule", "per_step"))
     assert [step.paper for step in by_survey.steps] == [step.paper for step in by_paper.steps]
 
 

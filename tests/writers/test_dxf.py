@@ -1,6 +1,7 @@
 """The DXF files, read back: no audit errors, millimetres, layers, dimension entities that measure what was measured."""
 
 import dataclasses
+import functools
 import io
 import re
 from datetime import UTC, datetime, timedelta
@@ -20,6 +21,12 @@ from tests.drawings.test_drawings import EACH_SHAPE, SHAPES, values
 
 MADE_AT = datetime(2026, 11, 22, 15, 4, 5, tzinfo=UTC)
 LAYERS = {"rise": "STAIR-DIM-RISE", "going": "STAIR-DIM-GOING", "width": "STAIR-DIM-WIDTH"}
+
+
+@functools.cache
+def files_of(inspection):
+    """The files of one of the shapes, written once for all tests that read them."""
+    return dxf_files(inspection, MADE_AT)
 
 
 def read(data):
@@ -42,7 +49,7 @@ def drawn_text(dimension):
 
 @EACH_SHAPE
 def test_both_files_open_without_errors_in_millimetres(inspection):
-    files = dxf_files(inspection, MADE_AT)
+    files = files_of(inspection)
     assert sorted(files) == ["plan", "section"]
     for data in files.values():
         document = read(data)
@@ -60,7 +67,7 @@ def test_both_files_open_without_errors_in_millimetres(inspection):
 @EACH_SHAPE
 @pytest.mark.parametrize(("key", "names"), [("plan", ("going", "width")), ("section", ("rise", "going"))])
 def test_dimension_entities_measure_and_show_the_values_of_the_inspection(inspection, key, names):
-    document = read(dxf_files(inspection, MADE_AT)[key])
+    document = read(files_of(inspection)[key])
     for name in names:
         found = dimensions(document, LAYERS[name])
         expected = values(inspection, name)
@@ -72,7 +79,7 @@ def test_dimension_entities_measure_and_show_the_values_of_the_inspection(inspec
 
 
 def test_texts_of_dimensions_are_never_upside_down():
-    for data in dxf_files(SHAPES["back"], MADE_AT).values():
+    for data in files_of(SHAPES["back"]).values():
         for dimension in read(data).modelspace().query("DIMENSION"):
             for text in dimension.get_geometry_block().query("TEXT MTEXT"):
                 turn = text.dxf.rotation if text.dxftype() == "TEXT" else text.get_rotation()
