@@ -1,10 +1,10 @@
-"""Directions of a plan: what is to their left, and how one turns from one to another."""
+"""Directions and cells of a plan: what is to the left, how one turns, which cell a place lies in."""
 
 import math
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.arrays import Floats, Ints
 
 
 def left_of(direction: Floats) -> Floats:
@@ -20,3 +20,10 @@ def angle_deg(a: Floats, b: Floats) -> float:
 def turn_deg(a: Floats, b: Floats) -> float:
     """Return the turn from one direction of the plan to another, degrees, positive to the left."""
     return math.degrees(math.atan2(float(a[0] * b[1] - a[1] * b[0]), float(a @ b)))
+
+
+def cell_keys(places_m: Floats, side_m: float) -> Ints:
+    """Return a number for the square cell of a plan in which each place (2, n) lies, the same for all that ask."""
+    cells = np.floor(places_m / side_m).astype(np.int64)
+    keys: Ints = cells[0] * 2**32 + cells[1]
+    return keys

@@ -49,6 +49,15 @@ class Surface:
     cover_m: float = 0.0
     aside_m: float = 0.0
 
+    @property
+    def spacing_m(self) -> float:
+        """The mean distance of its points, metres."""
+        return math.sqrt(self.area_m2 / len(self.rows))
+
+    def height_at(self, plan: Floats) -> float:
+        """Return the height of its plane at a place of the plan, (2,), metres."""
+        return float(self.centre_m[2] + self.slope @ (plan - self.centre_m[:2]))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Patches:

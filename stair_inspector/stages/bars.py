@@ -13,7 +13,7 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 from stair_inspector.geometry.clusters import cluster_cells
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
-from stair_inspector.geometry.plan import left_of
+from stair_inspector.geometry.plan import cell_keys, left_of
 from stair_inspector.geometry.trimmed import densest, fit_trimmed
 from stair_inspector.model import HeightOrder, Horizontal, Patches, Surface
 from stair_inspector.stages.bar_peaks import FEWEST_IN_PEAK, NOT_LEVEL, find_peaks, points_at_peaks
@@ -232,24 +232,17 @@ def _is_covered(places_m: Floats, height_m: float, patches: Patches) -> bool:
     """Return whether one surface covers the places of most of some points at its height."""
     side_m = 2.0 * patches.cell_m
     # By points and not by places: what strays around a tread fills many places with a point each.
-    own = _plan_keys(places_m, side_m)
+    own = cell_keys(places_m, side_m)
     low, high = places_m.min(axis=1), places_m.max(axis=1)
     for surface in patches.surfaces:
         inside = ((surface.cells_m >= low[:, None] - side_m) & (surface.cells_m <= high[:, None] + side_m)).all(axis=0)
         if not inside.any():
             continue
         cells = surface.cells_m[:, inside]
-        expected = surface.centre_m[2] + surface.slope @ (cells.mean(axis=1) - surface.centre_m[:2])
-        is_same = abs(float(expected) - height_m) <= _SAME_HEIGHT_M
-        if is_same and np.isin(own, np.unique(_plan_keys(cells, side_m))).mean() >= _WHOLE_SHARE:
+        is_same = abs(surface.height_at(cells.mean(axis=1)) - height_m) <= _SAME_HEIGHT_M
+        if is_same and np.isin(own, np.unique(cell_keys(cells, side_m))).mean() >= _WHOLE_SHARE:
             return True
     return False
-
-
-def _plan_keys(places_m: Floats, side_m: float) -> Ints:
-    cells = np.floor(places_m / side_m).astype(np.int64)
-    keys: Ints = cells[0] * 2**32 + cells[1]
-    return keys
 
 
 def _with_treads(

@@ -84,15 +84,11 @@ def find_steps(scan: Scan) -> CoordinateSteps:
     per_unit = METRES_PER_UNIT[scan.unit]
     found = [_find_on_axis(values, float(low), per_unit) for values, low in zip(some.T, scan.origin_m, strict=True)]
     found = [step if _is_believed(step, found, k) else _NONE for k, step in enumerate(found)]
+    is_turned = False
     if sum(step.step_m >= _FINEST_LATTICE_M for step in found) < 2:
         lattice_m, share = _find_turned_lattice(scan.points)
         if lattice_m > 0.0:
-            ones = tuple(_Step(lattice_m, "lattice", share) for _ in range(3))
-            return _joined(ones, is_turned=True)
-    return _joined(tuple(found), is_turned=False)
-
-
-def _joined(found: tuple[_Step, ...], is_turned: bool) -> CoordinateSteps:
+            found, is_turned = [_Step(lattice_m, "lattice", share)] * 3, True
     x, y, z = found
     return CoordinateSteps(
         freeze(np.array([step.step_m for step in found])),

@@ -10,7 +10,6 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, freeze
 from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import Chain, Chains, HeightOrder, Note, Patches, Surface
-from stair_inspector.stages.links import height_at
 from stair_inspector.stages.rejects import Forced
 
 _COLUMN_M = 0.04
@@ -65,7 +64,7 @@ def _begins_with_floor(heights: HeightOrder, surfaces: Sequence[Surface], chain:
     members = [surfaces[k] for k in chain.steps]
     edges = chain.middles[1:]
     rises = [
-        height_at(b, edge) - height_at(a, edge) for (a, b), edge in zip(itertools.pairwise(members), edges, strict=True)
+        b.height_at(edge) - a.height_at(edge) for (a, b), edge in zip(itertools.pairwise(members), edges, strict=True)
     ]
     rise_m = float(np.median(rises))
     seen = [

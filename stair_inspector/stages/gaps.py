@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from stair_inspector import priors
 from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.model import Surface
-from stair_inspector.stages.links import Link, depth_along, height_at
+from stair_inspector.stages.links import Link, depth_along
 from stair_inspector.stages.pace import (
     GOING_TOLERANCE,
     MAX_MISSING,
@@ -135,7 +135,7 @@ def _bridges(
         start_m, front_m = pace.front_of(low), pace.front_of(high)
         if start_m is None or front_m is None:
             continue
-        n_steps = whole_rises(height_at(high, pace.place(front_m)) - height_at(low, pace.place(start_m)), pace)
+        n_steps = whole_rises(high.height_at(pace.place(front_m)) - low.height_at(pace.place(start_m)), pace)
         off_m = abs(front_m - start_m - n_steps * pace.going_m)
         common_m, narrower_m = pace.facing_m(high, front_m)
         if not n_steps or off_m > GOING_TOLERANCE * pace.going_m or common_m < _LEAST_BESIDE * narrower_m:

@@ -11,7 +11,7 @@ from stair_inspector import priors
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Observation, Scan
-from stair_inspector.params import FlightsParams, Params
+from stair_inspector.params import KNOWN_UNITS, FlightsParams, KnownUnit, Params
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.examine import POINTS_PER_TREAD, TREAD_M2, examine, size_text
 from stair_inspector.stages.floor_planes import LEAST_POINTS
@@ -61,19 +61,10 @@ def why_hopeless(scan: Scan, examination: Sequence[Observation], flights: Flight
     size_m = _size_of(scan.points)
     if not priors.SMALLEST_SCAN_M <= size_m <= priors.LARGEST_SCAN_M:
         in_file = size_m / METRES_PER_UNIT[scan.unit]
-        fitting = [
-            unit
-            for unit, per in METRES_PER_UNIT.items()
-            if priors.SMALLEST_SCAN_M <= in_file * per <= priors.LARGEST_SCAN_M
-        ]
-        best = min(
-            fitting, key=lambda unit: abs(math.log(in_file * METRES_PER_UNIT[unit] / priors.USUAL_SCAN_M)), default=None
-        )
-        proposal = (
-            "cut out the staircase"
-            if best is None
-            else f"in {UNIT_NAMES[best]} it is {size_text(in_file * METRES_PER_UNIT[best])}: if so, give --unit {best}"
-        )
+        proposal = "cut out the staircase"
+        for unit in fitting_units(in_file)[:1]:
+            size = size_text(in_file * METRES_PER_UNIT[unit])
+            proposal = f"in {UNIT_NAMES[unit]} it is {size}: if so, give --unit {unit}"
         return f"the whole scan is {size_text(size_m)} across, read in {UNIT_NAMES[scan.unit]}; {proposal}"
     if len(scan.points) < _FEW_POINTS:
         spacing_m = find_spacing(scan.points)
@@ -84,6 +75,13 @@ def why_hopeless(scan: Scan, examination: Sequence[Observation], flights: Flight
                 "tread), of a scan, export all points"
             )
     return None
+
+
+def fitting_units(size: float, first: KnownUnit | None = None) -> list[KnownUnit]:
+    """Return the units in which the size of a scan, file unit, may be a staircase's: the first, then the most usual."""
+    sizes = {unit: size * METRES_PER_UNIT[unit] for unit in KNOWN_UNITS}
+    fitting = [unit for unit in KNOWN_UNITS if priors.SMALLEST_SCAN_M <= sizes[unit] <= priors.LARGEST_SCAN_M]
+    return sorted(fitting, key=lambda unit: (unit != first, abs(math.log(sizes[unit] / priors.USUAL_SCAN_M))))
 
 
 def _too_coarse(examination: Sequence[Observation], flights: FlightsParams) -> Observation | None:

@@ -95,11 +95,6 @@ def depth_along(surface: Surface, direction: Floats) -> float:
     return float(high - low)
 
 
-def height_at(surface: Surface, plan: Floats) -> float:
-    """Return the height of a surface's plane at a place of the plan, (2,), metres."""
-    return float(surface.centre_m[2] + surface.slope @ (plan - surface.centre_m[:2]))
-
-
 def _link(
     patches: Patches, params: FlightsParams, pair: tuple[int, int], trees: dict[int, Any], given: Floats | None
 ) -> Link | None:
@@ -127,7 +122,7 @@ def _link(
             return None
         along, middle, length_m = _edge_between(below, above, to_below, to_above, reach, cell_m)
     # Large surfaces may lean: their mean heights are no measure of the riser between them.
-    rise_m = height_at(above, middle) - height_at(below, middle)
+    rise_m = above.height_at(middle) - below.height_at(middle)
     if length_m < _WEAKEST_CONTACT_M or not params.min_rise_m <= rise_m <= params.max_rise_m:
         return None
     climb: Floats | None = None

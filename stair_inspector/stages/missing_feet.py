@@ -7,7 +7,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.model import Surface
-from stair_inspector.stages.links import Link, height_at
+from stair_inspector.stages.links import Link
 from stair_inspector.stages.pace import (
     GOING_TOLERANCE,
     MAX_MISSING,
@@ -81,7 +81,7 @@ def run_below(
         start_m = pace.front_of(top)
         if start_m is None or climb is None or angle_deg(climb, pace.climb) > SAME_CLIMB_DEG:
             continue
-        n_rises = (height_at(lowest, pace.place(front_m)) - height_at(top, pace.place(start_m))) / pace.rise_m
+        n_rises = (lowest.height_at(pace.place(front_m)) - top.height_at(pace.place(start_m))) / pace.rise_m
         off = (front_m - start_m) / pace.going_m - round(n_rises)
         if round(n_rises) >= 2 and abs(n_rises - round(n_rises)) <= RISE_TOLERANCE and abs(off) <= GOING_TOLERANCE:
             found.append((round(n_rises) - 1, k))
@@ -105,7 +105,7 @@ def _floors_before(
         is_floor = floor.area_m2 > priors.FLOOR_RATIO * usual_m2 and floor.height_m < lowest.height_m
         end_m = _end_of(floor, pace, front_m) if is_floor and is_allowed[number] else None
         if end_m is not None:
-            rise_m = height_at(lowest, pace.place(front_m)) - height_at(floor, pace.place(end_m))
+            rise_m = lowest.height_at(pace.place(front_m)) - floor.height_at(pace.place(end_m))
             yield number, pace, front_m, end_m, rise_m
 
 

@@ -1,6 +1,5 @@
 """Where are the nosing, the back and the sides of every step? Edges from treads and from the faces that meet them."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -105,7 +104,7 @@ def _shapes_along(
 def _common_span(patches: Patches, chain: Chain, climb: Floats) -> tuple[float, float] | None:
     """Return between which sides most treads of a straight flight lie across its climb; None if they are not sparse."""
     surfaces = [patches.surfaces[number] for number in chain.steps]
-    spacings = [math.sqrt(surface.area_m2 / len(surface.rows)) for surface in surfaces]
+    spacings = [surface.spacing_m for surface in surfaces]
     if float(np.median(spacings)) <= SPARSE_M:
         return None
     across = left_of(climb)

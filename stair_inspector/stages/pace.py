@@ -10,7 +10,7 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.plan import angle_deg, left_of
 from stair_inspector.model import Surface
-from stair_inspector.stages.links import Link, depth_along, height_at
+from stair_inspector.stages.links import Link, depth_along
 
 SAME_CLIMB_DEG = 15.0
 """Edges that climb the same way: single edges of patches are that rough."""
@@ -123,7 +123,7 @@ def whole_rises(rise_m: float, pace: Pace) -> int:
 def link_over(surfaces: Sequence[Surface], pace: Pace, pair: tuple[int, int], front_m: float, n_steps: int) -> Link:
     """Return the link over a gap to the surface whose front lies there."""
     low, high = surfaces[pair[0]], surfaces[pair[1]]
-    rise_m = height_at(high, pace.place(front_m)) - low.height_m
+    rise_m = high.height_at(pace.place(front_m)) - low.height_m
     width_m = pace.high_m - pace.low_m
     return Link(*pair, low.height_m, rise_m, pace.climb, pace.place(front_m), width_m, n_steps - 1)
 

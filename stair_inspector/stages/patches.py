@@ -172,8 +172,7 @@ def _goes_with(crumb: Surface, large: Surface) -> bool:
     """Return whether a crumb lies in the plane of a large surface and near it."""
     if crumb.area_m2 > _CRUMB_SHARE * large.area_m2:
         return False
-    expected_m = float(large.centre_m[2] + large.slope @ (crumb.centre_m[:2] - large.centre_m[:2]))
-    if abs(crumb.height_m - expected_m) > _CRUMB_STEP_M + 2.0 * large.sigma_m:
+    if abs(crumb.height_m - large.height_at(crumb.centre_m[:2])) > _CRUMB_STEP_M + 2.0 * large.sigma_m:
         return False
     low, high = large.cells_m.min(axis=1) - _CRUMB_GAP_M, large.cells_m.max(axis=1) + _CRUMB_GAP_M
     near = (crumb.cells_m > low[:, None]) & (crumb.cells_m < high[:, None])

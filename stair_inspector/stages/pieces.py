@@ -21,7 +21,7 @@ from stair_inspector.stages.bars import surface_of_rows
 from stair_inspector.stages.climbs import straight_climb
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.foot import without_floor_strips
-from stair_inspector.stages.links import depth_along, height_at
+from stair_inspector.stages.links import depth_along
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.runners import bare_treads
 
@@ -122,7 +122,7 @@ def _note_of_bars(horizontal: Horizontal, patches: Patches, chain: Chain) -> lis
 
 def _sides_of(horizontal: Horizontal, surface: Surface, left: Floats) -> Sides:
     across = left @ horizontal.coordinates_m[:2].take(surface.rows, axis=1)
-    return find_slots(across, math.sqrt(surface.area_m2 / len(across)), surface.is_barred)
+    return find_slots(across, surface.spacing_m, surface.is_barred)
 
 
 def _sides_of_steps(horizontal: Horizontal, surfaces: Sequence[Surface], chain: Chain, left: Floats) -> list[Sides]:
@@ -238,7 +238,7 @@ def _pieces_of(
 def _is_in_plane(piece: Surface, tread: Surface, climb: Floats, along: tuple[float, float]) -> bool:
     """Return whether a surface lies in the plane of a tread and between two places along the climb."""
     middle = piece.cells_m.mean(axis=1)
-    off_m = abs(height_at(piece, middle) - height_at(tread, middle))
+    off_m = abs(piece.height_at(middle) - tread.height_at(middle))
     if off_m > _SAME_PLANE_M + _PLANE_SIGMAS * (piece.sigma_m + tread.sigma_m):
         return False
     ahead = climb @ piece.cells_m

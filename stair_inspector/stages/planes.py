@@ -31,12 +31,11 @@ def fit_local(
     origin: Floats,
     climb: Floats,
     extent: tuple[float, float, float, float],
-    rough: tuple[float, float, float],
 ) -> LocalPlane:
     """Fit the plane of a surface within an extent of a step's frame, from its upright points.
 
-    ``rough`` is the patch's own plane: height at the origin and the two slopes. For a tread it is the plane; of a floor
-    or landing only the part near the edge counts, which may lean otherwise than the whole.
+    For a tread it is the patch's own; of a floor or landing only the part near the edge counts, which may lean
+    otherwise than the whole.
     """
     left = left_of(climb)
     # Tens of thousands of points give a plane as well as hundreds of thousands.
@@ -46,6 +45,7 @@ def fit_local(
     s, w = project(plan, climb), project(plan, left)
     s_low, s_high, w_low, w_high = extent
     if float(s.max()) - s_low <= priors.FLOOR_STRIP_M:
+        rough = surface.height_at(origin), float(surface.slope @ climb), float(surface.slope @ left)
         return plane_of(s, w, rows[2], rough, stride)
     within = (s >= s_low) & (s <= min(s_high, s_low + priors.FLOOR_STRIP_M)) & (w >= w_low) & (w <= w_high)
     if np.count_nonzero(within) < 10:

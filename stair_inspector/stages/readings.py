@@ -12,6 +12,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, project
 from stair_inspector.geometry.lattice import Lattice, find_lattices
+from stair_inspector.geometry.plan import cell_keys
 from stair_inspector.stages.camera_frames import looks_down_deg
 from stair_inspector.stages.reach import reach_of
 from stair_inspector.stages.thinned import Thinned
@@ -164,9 +165,14 @@ def _faces_on(scan: Thinned, lattice: Lattice) -> tuple[Bools, Bools]:
 
 def _in_profile(scan: Thinned, lattice: Lattice) -> tuple[Floats, Floats]:
     """Return how many goings ahead of the lattice's origin points lie, and how many rises above its line of nosings."""
+    ahead, height = _in_lattice(scan, lattice)
+    return ahead / lattice.going_m, height / lattice.rise_m - ahead / lattice.going_m
+
+
+def _in_lattice(scan: Thinned, lattice: Lattice) -> tuple[Floats, Floats]:
+    """Return how far ahead of the lattice's origin points lie, and how far above it, metres."""
     shifted = (scan.points - lattice.origin).T
-    ahead = project(shifted, lattice.ahead) / lattice.going_m
-    return ahead, project(shifted, lattice.up) / lattice.rise_m - ahead
+    return project(shifted, lattice.ahead), project(shifted, lattice.up)
 
 
 def _span(scan: Thinned, lattice: Lattice) -> _Span:
@@ -217,8 +223,7 @@ def _air_above(scan: Thinned, lattice: Lattice, span: _Span) -> float:
 
 def _is_tall(ahead_m: Floats, aside_m: Floats, height_m: Floats) -> Bools:
     """Return which points of upright faces lie in a place of the plan where those reach higher than a riser."""
-    cells = np.floor(np.stack([ahead_m, aside_m]) / PLAN_CELL_M).astype(np.int64)
-    _, cell_of = np.unique(cells[0] * 2**32 + cells[1], return_inverse=True)
+    _, cell_of = np.unique(cell_keys(np.stack([ahead_m, aside_m]), PLAN_CELL_M), return_inverse=True)
     lowest, highest = np.full(len(cell_of), np.inf), np.full(len(cell_of), -np.inf)
     np.minimum.at(lowest, cell_of, height_m)
     np.maximum.at(highest, cell_of, height_m)
@@ -231,8 +236,7 @@ def _nosings(scan: Thinned, lattice: Lattice) -> float:
 
     Upside down, a stair with nosings has treads that go on behind the risers above them.
     """
-    shifted = (scan.points - lattice.origin).T
-    ahead, height = project(shifted, lattice.ahead), project(shifted, lattice.up)
+    ahead, height = _in_lattice(scan, lattice)
     is_level, is_upright = (scan.face(axis) for axis in (lattice.up, lattice.ahead))
     n_front = n_back = 0
     for k in lattice.risers:
@@ -256,8 +260,8 @@ def _nosings(scan: Thinned, lattice: Lattice) -> float:
 
 def _surroundings(scan: Thinned, lattice: Lattice, span: _Span) -> float:
     """Weigh what lies around: the floor is larger than the landing, and there is more above a stair than below it."""
-    shifted = (scan.points - lattice.origin).T
-    ahead, height = project(shifted, lattice.ahead) / lattice.going_m, project(shifted, lattice.up) / lattice.rise_m
+    ahead, height = _in_lattice(scan, lattice)
+    ahead, height = ahead / lattice.going_m, height / lattice.rise_m
     is_level = scan.face(lattice.up)
     first, last, low_m, high_m = span
     low, high = low_m / lattice.rise_m, high_m / lattice.rise_m

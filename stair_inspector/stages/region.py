@@ -90,7 +90,7 @@ def find_cut_faces(scan: Scan, horizontal: Horizontal, patches: Patches, region:
     found: dict[int, tuple[Floats, ...]] = {}
     for number, surface in enumerate(patches.surfaces):
         own = scan.points[horizontal.point_ids[surface.rows]]
-        spacing_m = math.sqrt(surface.area_m2 / len(surface.rows))
+        spacing_m = surface.spacing_m
         cut = _cut_faces(scan, horizontal.up, box, own, spacing_m)
         if cut:
             found[number] = tuple(sign * horizontal.level_from_scan[:2, axis] for axis, sign in cut)

@@ -9,6 +9,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Floats, Ints, freeze
+from stair_inspector.geometry.plan import cell_keys
 from stair_inspector.model import Chains, Horizontal, Patches, Scan, Surface
 from stair_inspector.overrules import ForcedKind, OverrulesParams, parse_force, parse_up
 from stair_inspector.params import FlightsParams
@@ -170,40 +171,29 @@ def explain_rejects(
     for number in range(len(surfaces)):
         if number in taken:
             continue
-        over = [k for k in {*steps, *bases} if np.isin(keys[number], keys[k]).mean() >= _OVER_SHARE]
-        if number in undersides and forced.why_rejected(number) is None:
-            reasons[number] = "lies closely under another surface: the underside of a tread or slab"
-            continue
-        reasons[number] = _why(
-            surfaces[number],
-            forced.why_rejected(number),
-            [surfaces[k] for k in steps],
-            [surfaces[k] for k in bases],
-            tops,
-            [surfaces[k] for k in over],
-            least_area_m2,
-            limits,
+        over = [surfaces[k] for k in {*steps, *bases} if np.isin(keys[number], keys[k]).mean() >= _OVER_SHARE]
+        own = forced.why_rejected(number)
+        if own is None and number in undersides:
+            own = "lies closely under another surface: the underside of a tread or slab"
+        own = own or _why_by_itself(surfaces[number], least_area_m2)
+        reasons[number] = own or _why_there(
+            surfaces[number], [surfaces[k] for k in steps], [surfaces[k] for k in bases], tops, over, limits
         )
     return reasons
 
 
-def _why(
+def _why_there(
     surface: Surface,
-    decided: str | None,
     steps: Sequence[Surface],
     bases: Sequence[Surface],
     tops: Sequence[Surface],
     over: Sequence[Surface],
-    least_area_m2: float,
     limits: FlightsParams,
 ) -> str:
-    """Return why a surface is rejected: what the inspector ``decided``, or what is seen.
+    """Return why a surface that may be a step by itself is none where it lies.
 
     ``over`` are the steps and floors under or over it, ``tops`` the flights' last steps.
     """
-    own = decided or _why_by_itself(surface, least_area_m2)
-    if own is not None:
-        return own
     if not steps:
         return "no second and third surface a riser apart follow it in plan, as the steps of a flight would"
     gaps = [surface.height_m - other.height_m for other in over]
@@ -259,8 +249,7 @@ def _why_by_itself(surface: Surface, least_area_m2: float) -> str | None:
 
 def plan_keys(surface: Surface, side_m: float) -> Ints:
     """Return one number for each plan cell a surface occupies, the same for all surfaces."""
-    cells = np.floor(surface.cells_m / side_m).astype(np.int64)
-    return np.unique(cells[0] * 2**32 + cells[1])
+    return np.unique(cell_keys(surface.cells_m, side_m))
 
 
 def _distance(surface: Surface, place: Floats) -> float:

@@ -8,7 +8,6 @@ and is the surface that is measured.
 """
 
 import dataclasses
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -17,7 +16,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats
 from stair_inspector.geometry.plan import left_of
-from stair_inspector.geometry.strips import find_strip
+from stair_inspector.geometry.strips import Strip, find_strip
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Chain, Chains, Horizontal, Note, Patches, Surface
 from stair_inspector.stages.bars import surface_of_rows
@@ -42,13 +41,9 @@ _LEAST_SHARE = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class _Runner:
-    """A strip that lies at one place on most treads of a flight, as a Strip has it, and on how many of them."""
+class _Runner(Strip):
+    """A strip that lies at one place on most treads of a flight, and on how many of them."""
 
-    low: float
-    high: float
-    thick_m: float
-    bare_m: tuple[float, float]
     n_treads: int
 
 
@@ -131,7 +126,7 @@ def _can_be_bare(surfaces: Sequence[Surface], chain: Chain, strip: _Runner, is_o
     and others bare ones.
     """
     treads = chain.steps[:-1]
-    spacings = [math.sqrt(surfaces[number].area_m2 / len(surfaces[number].rows)) for number in treads]
+    spacings = [surfaces[number].spacing_m for number in treads]
     return (
         min(strip.bare_m) >= _LEAST_BARE_M
         and max(spacings) <= _DENSE_M

@@ -90,9 +90,7 @@ def find_shape(
     s_high = float(np.percentile(s[inner] if inner.any() else s, 98.0))
     s_high = max(s_high, front + 2.0 * patches.cell_m)
     extent = (front, s_high, w_low, w_high)
-    z0 = float(surface.centre_m[2] + surface.slope @ (origin - surface.centre_m[:2]))
-    rough = (z0, float(surface.slope @ climb), float(surface.slope @ left))
-    plane = fit_local(scanned.horizontal, surface, origin, climb, extent, rough)
+    plane = fit_local(scanned.horizontal, surface, origin, climb, extent)
     band_m = scanned.params.band_m or max(BAND_SIGMA * plane.sigma_m, _LEAST_BAND_M)
     rise_above_m, reach = 0.0, extent
     if above is not None:
@@ -261,10 +259,8 @@ def _find_foot(
         return None
     # From where the floor is first seen in front of the step.
     s_high = float(np.percentile(s[beside], 99.0))
-    z0 = float(base.centre_m[2] + base.slope @ (origin - base.centre_m[:2]))
-    rough = (z0, float(base.slope @ climb), float(base.slope @ left))
     strip = (s_high - priors.FLOOR_STRIP_M, s_high, w_low, w_high)
-    return fit_local(horizontal, base, origin, climb, strip, rough)
+    return fit_local(horizontal, base, origin, climb, strip)
 
 
 def _coverage(shape: StepShape, near: NearPoints, band_m: float, covered: tuple[float, float] | None) -> float:

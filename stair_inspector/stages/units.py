@@ -13,8 +13,9 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.lattice import Lattice, find_lattices
 from stair_inspector.geometry.normals import estimate_normals_at, morton_order
 from stair_inspector.model import Note, Observation, Scan, Step
-from stair_inspector.params import KNOWN_UNITS, KnownUnit
+from stair_inspector.params import KnownUnit
 from stair_inspector.stages.density import find_spacing
+from stair_inspector.stages.hopeless import fitting_units
 from stair_inspector.stages.readings import LONGEST_PERIOD_M, SURE
 from stair_inspector.stages.thinned import pick_thinned
 from stair_inspector.units import METRES_PER_UNIT, UNIT_NAMES
@@ -70,14 +71,13 @@ def decide_unit(points: Floats) -> DecidedUnit:
     The size is the diagonal of the box between the 2nd and 98th percentiles of each axis, so that stray points do not
     decide.
     """
-    low, high = np.percentile(points, _SIZE_PERCENTILES, axis=0)
-    size = float(np.linalg.norm(high - low))
+    size = _size_of(points)
     by_size = _unit_of_size(size)
     if len(points) >= _FEWEST_POINTS:
         few = points[:: -(-len(points) // _MOST_POINTS)]
         few = few - np.median(few, axis=0)
         spacing = find_spacing(few) * math.sqrt(len(few) / len(points))
-        for unit in _in_order(size, by_size):
+        for unit in fitting_units(size, by_size):
             if spacing * METRES_PER_UNIT[unit] <= _SPARSEST_M:
                 found = _decide_by_rhythm(few, unit, size, by_size)
                 if found is not None:
@@ -101,8 +101,7 @@ def ask_unit(scan: Scan, steps: tuple[Step, ...]) -> tuple[Observation, ...]:
         return ()
     per = METRES_PER_UNIT[scan.unit]
     rise, going = (float(each) / per for each in np.median(sizes, axis=0))
-    low, high = np.percentile(scan.points, _SIZE_PERCENTILES, axis=0)
-    units = _in_order(float(np.linalg.norm(high - low)) / per, scan.unit)
+    units = fitting_units(_size_of(scan.points) / per, scan.unit)
     weights = {unit: _weigh(rise, going, unit) for unit in units}
     others = [unit for unit in units if unit != scan.unit]
     other = max(others, key=weights.__getitem__, default=scan.unit)
@@ -112,18 +111,16 @@ def ask_unit(scan: Scan, steps: tuple[Step, ...]) -> tuple[Observation, ...]:
     return (_question(rise, going, first, second),)
 
 
+def _size_of(points: Floats) -> float:
+    low, high = np.percentile(points, _SIZE_PERCENTILES, axis=0)
+    return float(np.linalg.norm(high - low))
+
+
 def _unit_of_size(size: float) -> KnownUnit:
     """Return the unit in which the size of a scan, in the file's unit, is that of a building: a metric one."""
     if size <= _LARGEST_IN_METRES:
         return "m"
     return "cm" if size < _LARGEST_IN_CENTIMETRES else "mm"
-
-
-def _in_order(size: float, first: KnownUnit) -> list[KnownUnit]:
-    """Return the units in which the size of a scan may be that of a staircase: the first, then the most usual ones."""
-    sizes = {unit: size * per for unit, per in METRES_PER_UNIT.items()}
-    fitting = [unit for unit in KNOWN_UNITS if priors.SMALLEST_SCAN_M <= sizes[unit] <= priors.LARGEST_SCAN_M]
-    return sorted(fitting, key=lambda unit: (unit != first, abs(math.log(sizes[unit] / priors.USUAL_SCAN_M))))
 
 
 def _decide_by_rhythm(points: Floats, unit: KnownUnit, size: float, by_size: KnownUnit) -> DecidedUnit | None:
@@ -134,7 +131,7 @@ def _decide_by_rhythm(points: Floats, unit: KnownUnit, size: float, by_size: Kno
         return None
     # Which of them are treads is not known yet, and does not change the size of both together.
     rise, going = sorted((lattice.rise_m / per, lattice.going_m / per))
-    weights = {each: _weigh(rise, going, each) for each in _in_order(size, by_size)}
+    weights = {each: _weigh(rise, going, each) for each in fitting_units(size, by_size)}
     ranked = sorted(weights, key=lambda each: -weights[each])
     best = ranked[0]
     width = lattice.width_m / per
@@ -151,12 +148,7 @@ def _decide_by_rhythm(points: Floats, unit: KnownUnit, size: float, by_size: Kno
         f"the file is read in {UNIT_NAMES[best]}, in which its treads and risers come again after "
         f"{_lengths(rise, going, best)}; its size alone would say {UNIT_NAMES[by_size]}"
     )
-    said = Observation(
-        "unit_by_stair",
-        "info",
-        message,
-        cure=f"--unit {by_size}",
-    )
+    said = Observation("unit_by_stair", "info", message, cure=f"--unit {by_size}")
     return DecidedUnit(best, _note_of_rhythm(best, rise, going), (said,))
 
 

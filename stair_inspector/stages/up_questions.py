@@ -6,6 +6,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, project
+from stair_inspector.geometry.plan import cell_keys
 from stair_inspector.model import Observation
 from stair_inspector.overrules import NAMED_UP
 from stair_inspector.stages.camera_frames import looks_down_deg, view_of
@@ -80,8 +81,7 @@ def question_of_side(scan: Thinned, up: Floats, height_m: float) -> Observation 
     is_at = is_level & (np.abs(heights) <= BESIDE_LEVEL_M)
     is_next = is_level & (heights < -BESIDE_LEVEL_M) & (heights >= -priors.HEADROOM_M / 2.0)
     side = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
-    axes = np.stack([side, np.cross(up, side)])
-    cells = np.floor(scan.points @ axes.T / PLAN_CELL_M).astype(np.int64) @ np.array([1, 1 << 31])
+    cells = cell_keys((scan.points @ np.stack([side, np.cross(up, side)]).T).T, PLAN_CELL_M)
     if not is_next.any() or float(np.isin(cells[is_next], cells[is_at]).mean()) < _SEEN_THROUGH:
         return None
     names = name_of(up), name_of(-up)

@@ -270,7 +270,7 @@ def _region_cuts(paper: Inspection, scan: Scan, horizontal: Horizontal, patches:
         return []
     own = [patches.surfaces[number] for number in survey.surfaces]
     points = [scan.points[horizontal.point_ids[surface.rows]] for surface in own]
-    spacings_m = [math.sqrt(surface.area_m2 / len(surface.rows)) for surface in own]
+    spacings_m = [surface.spacing_m for surface in own]
     return note_region_cuts(scan, paper.up, region, survey.steps, points, spacings_m)
 
 
