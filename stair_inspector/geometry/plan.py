@@ -22,6 +22,18 @@ def turn_deg(a: Floats, b: Floats) -> float:
     return math.degrees(math.atan2(float(a[0] * b[1] - a[1] * b[0]), float(a @ b)))
 
 
+def place_in_frame(place: Floats, origin: Floats, climb: Floats) -> tuple[float, float]:
+    """Return how far along a direction (2,), and how far to its left, one place (2,) of a plan lies from an origin."""
+    shift = place - origin
+    return float(shift @ climb), float(shift[1] * climb[0] - shift[0] * climb[1])
+
+
+def in_frame(plan: Floats, origin: Floats, climb: Floats) -> tuple[Floats, Floats]:
+    """Return how far along a direction (2,), and how far to its left, places (2, n) of a plan lie from an origin."""
+    x, y = plan[0] - origin[0], plan[1] - origin[1]
+    return climb[0] * x + climb[1] * y, climb[0] * y - climb[1] * x
+
+
 def cell_keys(places_m: Floats, side_m: float) -> Ints:
     """Return a number for the square cell of a plan in which each place (2, n) lies, the same for all that ask."""
     cells = np.floor(places_m / side_m).astype(np.int64)

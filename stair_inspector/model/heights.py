@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from stair_inspector.geometry.arrays import Floats, Ints, Labels
 from stair_inspector.model.notes import Note, Observation
 
@@ -49,6 +51,11 @@ class HeightOrder:
     up: Up
     n_scan: int
     plan_corner_m: Floats | None = None
+
+    def between(self, low_m: float, high_m: float) -> slice:
+        """Return the rows of the points from one height up to another, metres."""
+        start, stop = np.searchsorted(self.coordinates_m[2], [low_m, high_m])
+        return slice(int(start), int(stop))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
-from stair_inspector.geometry.plan import left_of
+from stair_inspector.geometry.plan import left_of, place_in_frame
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,5 +96,4 @@ class StepShape:
 
     def from_plan(self, plan: Floats) -> tuple[float, float]:
         """Return a place of the plan in this frame: s and w."""
-        shift = plan - self.origin_m
-        return float(shift @ self.climb), float(shift[1] * self.climb[0] - shift[0] * self.climb[1])
+        return place_in_frame(plan, self.origin_m, self.climb)

@@ -11,7 +11,7 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, freeze
 from stair_inspector.geometry.edges import TUKEY, EdgeLine, fit_line_robust
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, mad_sigma
-from stair_inspector.geometry.plan import left_of, turn_deg
+from stair_inspector.geometry.plan import left_of, place_in_frame, turn_deg
 from stair_inspector.model import Arc, Chain, StepShape
 
 _FEWEST_NOSINGS = 4
@@ -149,29 +149,24 @@ def across_arc(arc: Arc, origin: Floats, climb: Floats, s: Floats, w: Floats) ->
 
     So counted the sides of a curved tread are straight and run along the climb.
     """
-    ahead, aside = _to_frame(arc, origin, climb)
+    ahead, aside = place_in_frame(arc.centre_m, origin, climb)
     across: Floats = aside - arc.sense * np.hypot(s - ahead, w - aside)
     return across
 
 
 def span_beside(arc: Arc, origin: Floats, climb: Floats, span: tuple[float, float], w_m: float) -> tuple[float, float]:
     """Return the range along a side of a tread's range along its middle: all its edges run to the centre."""
-    _, aside = _to_frame(arc, origin, climb)
+    _, aside = place_in_frame(arc.centre_m, origin, climb)
     low, high = span
     return low, low + min(1.0, abs(aside - w_m) / max(abs(aside), 1e-6)) * min(high - low, priors.FLOOR_STRIP_M)
 
 
 def side_of(arc: Arc, origin: Floats, climb: Floats, edge: EdgeLine) -> EdgeLine:
     """Return a side that was found by :func:`across_arc` as an edge of the step's frame, where it was found."""
-    ahead, aside = _to_frame(arc, origin, climb)
+    ahead, aside = place_in_frame(arc.centre_m, origin, climb)
     radius_m, s = arc.sense * (aside - edge.middle_m), edge.along_m - ahead
     reach_m = math.sqrt(max(radius_m**2 - s**2, _SETTLED_M))
     return replace(edge, middle_m=aside - arc.sense * reach_m, slope=arc.sense * s / reach_m)
-
-
-def _to_frame(arc: Arc, origin: Floats, climb: Floats) -> tuple[float, float]:
-    shift = arc.centre_m - origin
-    return float(shift @ climb), float(shift[1] * climb[0] - shift[0] * climb[1])
 
 
 def with_arc_sides(shapes: Sequence[StepShape], arc: Arc) -> list[StepShape]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.plan import angle_deg
+from stair_inspector.geometry.plan import angle_deg, in_frame, place_in_frame
 from stair_inspector.model import Arc, Chains, Flight, HeightOrder, Note, StepShape
 from stair_inspector.stages.climbs import find_climbs
 from stair_inspector.stages.survey import Survey
@@ -147,12 +147,8 @@ def _scan_ends(flight: Flight, heights: HeightOrder) -> Note:
 
 def _is_nothing_behind(heights: HeightOrder, rhythm: _Rhythm) -> bool:
     """Return whether the scan holds nothing where the next riser, its tread or a wall would be."""
-    z = heights.coordinates_m[2]
-    low, high = rhythm.height_m + 0.5 * rhythm.rise_m, rhythm.height_m + _BEHIND_RISES * rhythm.rise_m
-    start, stop = np.searchsorted(z, [low, high])
-    place, climb = rhythm.frame_at(rhythm.going_m)
-    x, y = heights.coordinates_m[:2, start:stop] - place[:, None]
-    s, w = climb[0] * x + climb[1] * y, climb[0] * y - climb[1] * x
+    rows = heights.between(rhythm.height_m + 0.5 * rhythm.rise_m, rhythm.height_m + _BEHIND_RISES * rhythm.rise_m)
+    s, w = in_frame(heights.coordinates_m[:2, rows], *rhythm.frame_at(rhythm.going_m))
     reach_m = _REACH_GOINGS * rhythm.going_m
     is_behind = (s >= -reach_m) & (s <= _BEHIND_GOINGS * rhythm.going_m)
     is_behind &= np.abs(w) <= rhythm.half_width_m * (1.0 - 2.0 * _INSET)
@@ -164,16 +160,14 @@ def _level_behind(heights: HeightOrder, shape: StepShape) -> float | None:
 
     It ends no flight by itself: it is another surface than the step, which may lie on it as a thick runner does.
     """
-    z = heights.coordinates_m[2]
-    start, stop = np.searchsorted(z, shape.plane.z0_m + np.array([-_LEVEL_M, _LEVEL_M]))
-    shift = heights.coordinates_m[:2, start:stop] - shape.origin_m[:, None]
-    s, w = shape.climb @ shift, shape.climb[0] * shift[1] - shape.climb[1] * shift[0]
+    rows = heights.between(shape.plane.z0_m - _LEVEL_M, shape.plane.z0_m + _LEVEL_M)
+    s, w = in_frame(heights.coordinates_m[:2, rows], shape.origin_m, shape.climb)
     (low, high), s_high = shape.line_range, shape.extent[1]
     behind = (s >= s_high + _FACE_M) & (s <= s_high + priors.LONGEST_TREAD_M) & (w >= low) & (w <= high)
-    behind &= heights.alignment[start:stop] >= _LEVEL
+    behind &= heights.alignment[rows] >= _LEVEL
     if not _is_across(w[behind], (high - low) / 2.0):
         return None
-    return float(np.median((shape.plane.z0_m + shape.plane.slope[0] * s - z[start:stop])[behind]))
+    return float(np.median((shape.plane.z0_m + shape.plane.slope[0] * s - heights.coordinates_m[2, rows])[behind]))
 
 
 def _goes_on_level(flight: Flight, lower_m: float) -> Note:
@@ -244,14 +238,10 @@ def _row(heights: HeightOrder, rhythm: _Rhythm, ahead_m: float, k: int, way: _Wa
     low = rhythm.height_m + ((k - 1) * rise_m if way == "above" else -k * rise_m)
     high = low + rise_m
     tread_m = high if way == "above" else low
-    z = heights.coordinates_m[2]
-    start, stop = np.searchsorted(z, [low - _LEVEL_RISES * rise_m, high + rise_m])
-    x, y, z = heights.coordinates_m[:, start:stop]
-    alignment = heights.alignment[start:stop]
-    place, climb = rhythm.frame_at(sign * ahead_m)
-    x, y = x - place[0], y - place[1]
-    s = sign * (climb[0] * x + climb[1] * y) + ahead_m
-    w = climb[0] * y - climb[1] * x
+    rows = heights.between(low - _LEVEL_RISES * rise_m, high + rise_m)
+    z, alignment = heights.coordinates_m[2, rows], heights.alignment[rows]
+    s, w = in_frame(heights.coordinates_m[:2, rows], *rhythm.frame_at(sign * ahead_m))
+    s = sign * s + ahead_m
     reach_m = _REACH_GOINGS * going_m
     half_m = rhythm.half_width_m * (1.0 - 2.0 * _INSET)
     near = (np.abs(w) <= half_m) & (s >= ahead_m - reach_m) & (s <= ahead_m + going_m)
@@ -299,8 +289,7 @@ def _is_another_flight(rhythm: _Rhythm, others: Sequence[StepShape], ahead_m: fl
     for other in others:
         if angle_deg(other.climb, climb) > priors.STRAIGHT_ON_DEG:
             continue
-        shift = other.to_plan(other.front.middle_m, 0.0) - place
-        along, aside = float(shift @ climb), float(shift[1] * climb[0] - shift[0] * climb[1])
+        along, aside = place_in_frame(other.to_plan(other.front.middle_m, 0.0), place, climb)
         if abs(along) <= rhythm.going_m and abs(aside) <= rhythm.half_width_m:
             rise_m = abs(other.plane.z0_m - rhythm.height_m)
             if abs(rise_m - k * rhythm.rise_m) <= 1.5 * rhythm.rise_m:

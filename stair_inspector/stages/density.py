@@ -7,6 +7,20 @@ from stair_inspector.geometry.arrays import Floats
 _MOST_POINTS = 20_000
 _PLACES = 40
 _NEIGHBOURS = 12
+_FLATTENING = 0.25
+
+
+def reach_of_neighbours(points: Floats, k: int, sample: int) -> Floats:
+    """Return the distance to the k-th neighbour of some of the points of level surfaces, of at most so many, metres.
+
+    ``points`` (3, n) upright, with more than k points. Noise lifts neighbours apart, which is no spacing: heights count
+    a quarter, and other levels stay far even so.
+    """
+    from sklearn.neighbors import KDTree
+
+    rows = points.T * (1.0, 1.0, _FLATTENING)
+    reach: Floats = KDTree(rows).query(rows[:: -(-len(rows) // sample)], k=k + 1)[0][:, -1]
+    return reach
 
 
 def find_spacing(points: Floats) -> float:

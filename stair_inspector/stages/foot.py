@@ -78,10 +78,9 @@ def _shows_what_is_under(heights: HeightOrder, surface: Surface, climb: Floats, 
     """Return whether points are seen under the front edge of a surface, along enough of it."""
     below_m = max(_BELOW_M, _BELOW_SIGMAS * surface.sigma_m)
     lean_m = float(np.abs(surface.slope @ (surface.cells_m - surface.centre_m[:2, None])).max())
-    z = heights.coordinates_m[2]
-    start, stop = np.searchsorted(z, surface.height_m + np.array([-rise_m - lean_m, lean_m]))
-    plan = heights.coordinates_m[:2, start:stop]
-    under_m = surface.centre_m[2] + surface.slope @ (plan - surface.centre_m[:2, None]) - z[start:stop]
+    rows = heights.between(surface.height_m - (rise_m + lean_m), surface.height_m + lean_m)
+    plan, z = heights.coordinates_m[:2, rows], heights.coordinates_m[2, rows]
+    under_m = surface.centre_m[2] + surface.slope @ (plan - surface.centre_m[:2, None]) - z
     plan = plan[:, (under_m >= below_m) & (under_m <= _LOWEST_SHARE * rise_m)]
     across = left_of(climb)
     first = float((across @ surface.cells_m).min())

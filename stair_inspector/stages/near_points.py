@@ -7,6 +7,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.geometry.plan import in_frame
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import HeightOrder, LocalPlane
 from stair_inspector.stages.planes import FINE_M, block_means, plane_of
@@ -83,13 +84,8 @@ def gather_near(
     s_low, s_high, w_low, w_high = extent
     corners = [plane.at(s, w) for s in (s_low, min(s_high, s_low + 2.0)) for w in (w_low, w_high)]
     margin = max(FACE_FAR_M, (FACE_NEAR_SIGMA * plane.sigma_m + FACE_BAND_M), 4.0 * plane.sigma_m)
-    start = int(np.searchsorted(heights.coordinates_m[2], min(corners) - margin))
-    stop = int(np.searchsorted(heights.coordinates_m[2], max(corners) + above_m))
-    rows = heights.coordinates_m[:, start:stop]
-    x, y = rows[0] - origin[0], rows[1] - origin[1]
-    s, w = climb[0] * x, climb[0] * y
-    s += climb[1] * y
-    w -= climb[1] * x
+    rows = heights.coordinates_m[:, heights.between(min(corners) - margin, max(corners) + above_m)]
+    s, w = in_frame(rows, origin, climb)
     chosen = np.flatnonzero(
         (s >= s_low - BESIDE_M) & (s <= s_high + BESIDE_M) & (w >= w_low - BESIDE_M) & (w <= w_high + BESIDE_M)
     )

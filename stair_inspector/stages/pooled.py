@@ -182,8 +182,7 @@ def _find_riser(heights: HeightOrder, shapes: Sequence[StepShape], k: int) -> _R
     front, (w_low, w_high) = shape.front.middle_m, shape.extent[2:]
     top_m = shape.plane.at(front, 0.0)
     bottom_m = below.at(*shapes[k - 1].from_plan(shape.to_plan(front, 0.0))) if k else below.at(front, 0.0)
-    start, stop = np.searchsorted(heights.coordinates_m[2], [bottom_m + _ABOVE_FOOT_M, top_m])
-    rows = heights.coordinates_m[:, start:stop]
+    rows = heights.coordinates_m[:, heights.between(bottom_m + _ABOVE_FOOT_M, top_m)]
     across = left_of(shape.climb)
     shift = rows[:2] - shape.origin_m[:, None]
     s, w, under = shape.climb @ shift, across @ shift, top_m - rows[2]
@@ -301,9 +300,7 @@ def _lateral_of(heights: HeightOrder, shapes: Sequence[StepShape], k: int, acros
     top_m = z_m + on_m
     if above is not None:
         top_m = max(top_m, above.plane.at(above.front.middle_m, 0.0) - on_m)
-    z = heights.coordinates_m[2]
-    start, stop = np.searchsorted(z, [z_m - on_m - 0.02, top_m])
-    rows = heights.coordinates_m[:, start:stop]
+    rows = heights.coordinates_m[:, heights.between(z_m - on_m - 0.02, top_m)]
     s, w = shape.climb @ (rows[:2] - shape.origin_m[:, None]), across @ rows[:2]
     off = rows[2] - plane.z0_m - plane.slope[0] * s
     front, back = shape.front.middle_m, shape.extent[1]

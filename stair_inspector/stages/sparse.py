@@ -14,6 +14,7 @@ import numpy as np
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 from stair_inspector.model import HeightOrder, Horizontal, Observation
 from stair_inspector.params import LevelsParams, PatchesParams
+from stair_inspector.stages.density import reach_of_neighbours
 
 SPARSE_M = 0.022
 """Spacing beyond which the usual 30 neighbours reach farther than 70 mm: a quarter of a tread on either side."""
@@ -47,7 +48,6 @@ _AREA_SHARE = 0.75
 _AREA_FILLED = 0.75
 """A tread of the smallest area holds m points though so much of it is seen."""
 _CELL_SPACINGS, _LARGEST_CELL_M = 2.0, 0.1
-_FLATTENING = 0.25
 _PIECE = 20_000
 
 
@@ -134,14 +134,9 @@ def follow_spacing(horizontal: Horizontal, levels: LevelsParams, patches: Patche
     Every point stands for the square of its spacing, so that the median and other quantiles are by area: most points
     lie where they are dense, most treads where they are not.
     """
-    from sklearn.neighbors import KDTree
-
-    # Noise lifts neighbours apart, which is no spacing; other levels stay far even so.
-    rows = horizontal.coordinates_m.T * (1.0, 1.0, _FLATTENING)
-    if len(rows) <= _NEIGHBOURS:
+    if len(horizontal.point_ids) <= _NEIGHBOURS:
         return Fitted(levels, patches)
-    some = rows[:: -(-len(rows) // _SAMPLE)]
-    spacing = np.sort(_spacing_of(KDTree(rows).query(some, k=_NEIGHBOURS + 1)[0][:, -1]))
+    spacing = np.sort(_spacing_of(reach_of_neighbours(horizontal.coordinates_m, _NEIGHBOURS, _SAMPLE)))
     area = np.cumsum(spacing**2)
     spacing_m = float(spacing[np.searchsorted(area, _AREA_SHARE * area[-1])])
     fitting = max(_FEWEST_POINTS, int(_AREA_FILLED * patches.min_area_m2 / spacing_m**2))

@@ -8,7 +8,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Sampling, find_face_edge
-from stair_inspector.geometry.plan import left_of
+from stair_inspector.geometry.plan import left_of, place_in_frame
 from stair_inspector.geometry.slots import find_slots
 from stair_inspector.model import Arc, Chain, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
@@ -94,7 +94,7 @@ def find_shape(
     band_m = scanned.params.band_m or max(BAND_SIGMA * plane.sigma_m, _LEAST_BAND_M)
     rise_above_m, reach = 0.0, extent
     if above is not None:
-        s_above, w_above = _shape_frame(origin, climb, above.to_plan(above.front.middle_m, 0.0))
+        s_above, w_above = place_in_frame(above.to_plan(above.front.middle_m, 0.0), origin, climb)
         rise_above_m = above.plane.z0_m - plane.at(s_above, w_above)
         # The riser may lie beyond what was seen of the tread.
         reach = (front, max(s_high, s_above), w_low, w_high)
@@ -159,11 +159,6 @@ def find_shape(
 def _guessed(place_m: float, span: tuple[float, float]) -> EdgeLine:
     """Return an edge of which only the patch's rim is known: its uncertainty is large, not absent."""
     return EdgeLine(place_m, 0.0, sum(span) / 2.0, UNSEEN_M, _UNSEEN_SLOPE, 0.0, "tread")
-
-
-def _shape_frame(origin: Floats, climb: Floats, plan: Floats) -> tuple[float, float]:
-    shift = plan - origin
-    return float(shift @ climb), float(shift[1] * climb[0] - shift[0] * climb[1])
 
 
 def _front_of(s: Floats, w: Floats, length_m: float, covered: tuple[float, float] | None) -> float:

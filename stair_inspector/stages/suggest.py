@@ -12,6 +12,7 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.percentiles import mad_sigma
 from stair_inspector.model import HeightOrder
 from stair_inspector.params import SETTINGS, FlightsParams, Params
+from stair_inspector.stages.density import reach_of_neighbours
 
 _THETA_DEG = (10.0, 30.0)
 """A worn or falling tread leans by some degrees, however clean the scan; beyond, ramps and edges are taken as level."""
@@ -21,7 +22,7 @@ _FACING_DEG = 30.0
 _ROUNDS = 30
 _MEDIAN_OF_2_SIGMA = math.sqrt(-2.0 * math.log(0.5 + 0.5 * math.exp(-2.0)))
 """Median of the angles below 2 sigma, in sigma, where both components are normally distributed (Rayleigh)."""
-_NEIGHBOURS, _SPACING_SAMPLE, _FLATTENING = 8, 2000, 0.25
+_NEIGHBOURS, _SPACING_SAMPLE = 8, 2000
 _PROBE_M, _GRID_M = 0.006, 0.002
 _BESIDE_M: Floats = np.linspace(-0.01, 0.01, 11)
 _MOST_HEIGHTS = 100_000
@@ -148,14 +149,8 @@ def _find_spacing(points: Floats) -> float:
 
     ``points`` (3, n). The disc to the k-th neighbour of a point holds k points, however irregularly they lie.
     """
-    from sklearn.neighbors import KDTree
-
-    # Noise lifts neighbours apart, which is no spacing; other levels stay far even so.
-    rows = points.T * (1.0, 1.0, _FLATTENING)
-    some = rows[:: -(-len(rows) // _SPACING_SAMPLE)]
-    k = min(_NEIGHBOURS, len(rows) - 1)
-    distances = KDTree(rows).query(some, k=k + 1)[0][:, -1]
-    return max(1e-4, float(np.median(distances)) * math.sqrt(math.pi / k))
+    k = min(_NEIGHBOURS, points.shape[1] - 1)
+    return max(1e-4, float(np.median(reach_of_neighbours(points, k, _SPACING_SAMPLE))) * math.sqrt(math.pi / k))
 
 
 def _find_levels(z_m: Floats, reach_m: float, least: float) -> list[float]:
