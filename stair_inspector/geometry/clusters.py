@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats, Ints, freeze
+from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 
 _PIECE = 4096
 
@@ -23,7 +23,7 @@ class Clusters1D:
 
     start: Ints
     stop: Ints
-    is_core: "np.ndarray[tuple[int], np.dtype[np.bool_]]"
+    is_core: Bools
 
 
 def find_reach(ordered: Floats, eps: float) -> Reach:

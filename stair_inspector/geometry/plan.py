@@ -12,6 +12,12 @@ def left_of(direction: Floats) -> Floats:
     return np.array([-direction[1], direction[0]])
 
 
+def unit_way(direction: Floats) -> Floats:
+    """Return a direction of the plan, (2,), as a unit vector."""
+    unit: Floats = direction / np.hypot(*direction)
+    return unit
+
+
 def angle_deg(a: Floats, b: Floats) -> float:
     """Return the angle between two directions of the plan, degrees, 0 to 180."""
     return abs(turn_deg(a, b))

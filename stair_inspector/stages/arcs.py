@@ -11,7 +11,7 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, freeze
 from stair_inspector.geometry.edges import TUKEY, EdgeLine, fit_line_robust
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, mad_sigma
-from stair_inspector.geometry.plan import left_of, place_in_frame, turn_deg
+from stair_inspector.geometry.plan import left_of, place_in_frame, turn_deg, unit_way
 from stair_inspector.model import Arc, Chain, StepShape
 
 _FEWEST_NOSINGS = 4
@@ -129,16 +129,12 @@ def find_arc(shapes: Sequence[StepShape]) -> Arc | None:
 
 def climb_at_nosing(shape: StepShape) -> Floats:
     """Return the direction of climb square to a step's nosing, (2,)."""
-    left = left_of(shape.climb)
-    across: Floats = shape.climb - shape.front.slope * left
-    across /= np.hypot(*across)
-    return across
+    return unit_way(shape.climb - shape.front.slope * left_of(shape.climb))
 
 
 def climb_on_arc(arc: Arc, shape: StepShape) -> Floats:
     """Return the direction of climb along the arc at a step's nosing, (2,): one that a defect has turned keeps it."""
-    outwards = _middle_of(shape) - arc.centre_m
-    outwards /= np.hypot(*outwards)
+    outwards = unit_way(_middle_of(shape) - arc.centre_m)
     # To the left of the outward direction one climbs where the flight turns to the left.
     along: Floats = arc.sense * left_of(outwards)
     return along

@@ -6,7 +6,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.plan import angle_deg, turn_deg
+from stair_inspector.geometry.plan import angle_deg, turn_deg, unit_way
 from stair_inspector.model import Chain, Chains, StepShape
 from stair_inspector.stages.arcs import climb_at_nosing, climb_on_arc
 
@@ -25,8 +25,7 @@ def straight_climb(chain: Chain) -> Floats | None:
     """Return the common direction of climb of a chain, (2,), or None where it winds."""
     # The edge on the floor may run all around the lowest tread.
     inner = chain.climbs[1:] if len(chain.climbs) > 2 and chain.base is not None else chain.climbs
-    middle: Floats = np.median(inner, axis=0)
-    middle /= np.hypot(*middle)
+    middle = unit_way(np.median(inner, axis=0))
     turns = [turn_deg(a, b) for a, b in itertools.pairwise(inner)]
     # One edge that is seen badly turns there and back again; a winding flight goes on turning the same way.
     sharp = [turn for turn in turns if abs(turn) > priors.WINDING_TURN_DEG]
@@ -49,4 +48,4 @@ def find_climbs(chain: Chain, shapes: tuple[StepShape, ...]) -> list[Floats]:
     middle = np.median(normals, axis=0)
     is_alike = np.array([angle_deg(normal, middle) <= 2.0 for normal in normals])
     common = (weights * is_alike) @ np.array(normals) if is_alike.any() else middle
-    return [common / np.hypot(*common)] * len(shapes)
+    return [unit_way(common)] * len(shapes)

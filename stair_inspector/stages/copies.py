@@ -6,7 +6,7 @@ left-handed cannot be seen in it.
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.arrays import Bools, Floats
 from stair_inspector.model import Scan
 from stair_inspector.stages.coordinate_steps import FLOAT32
 
@@ -70,7 +70,7 @@ def _common(one: Floats, other: Floats, exactness_m: float) -> Floats:
     return one[_is_among(one, other, exactness_m)]
 
 
-def _is_among(wanted: Floats, known: Floats, exactness_m: float) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+def _is_among(wanted: Floats, known: Floats, exactness_m: float) -> Bools:
     """Return for each of the differences whether it is one of the known ones, which are sorted."""
     first = np.searchsorted(known[:, 0], wanted[:, 0] - exactness_m)
     stop = np.searchsorted(known[:, 0], wanted[:, 0] + exactness_m, side="right")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector import priors
-from stair_inspector.geometry.arrays import Floats, Ints, freeze
+from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 
 _MOST_POINTS = 100_000
 _CELL_M = 0.15
@@ -57,7 +57,7 @@ class _Split:
     """The points of cells cut in two across the surface: distance of the halves, and whether they are two layers."""
 
     apart_m: Floats
-    is_double: "np.ndarray[tuple[int], np.dtype[np.bool_]]"
+    is_double: Bools
     offset_m: Floats
 
 
@@ -265,7 +265,7 @@ def _judge(cells: _Cells, normal: Floats, members: Ints, step_m: float) -> Doubl
     return DoubledWay(freeze(normal.copy()), apart_m, share)
 
 
-def _shares_by_plane(offset_m: Floats, is_one: "np.ndarray[tuple[int], np.dtype[np.bool_]]") -> tuple[Floats, Ints]:
+def _shares_by_plane(offset_m: Floats, is_one: Bools) -> tuple[Floats, Ints]:
     """Return the share of doubled cells on each plane, and how many cells it has."""
     order = np.argsort(offset_m)
     plane = np.concatenate([[0], np.cumsum(np.diff(offset_m[order]) > _SAME_PLANE_M)])

@@ -8,7 +8,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.plan import angle_deg, left_of
+from stair_inspector.geometry.plan import angle_deg, left_of, unit_way
 from stair_inspector.model import Surface
 from stair_inspector.stages.links import Link, depth_along
 
@@ -95,8 +95,7 @@ def pace_of(surfaces: Sequence[Surface], links: Sequence[Link], begins_at_base: 
     rises = [link.rise_m for link in links if not link.n_missing]
     if not climbs or not rises:
         return None
-    climb = np.median(climbs, axis=0)
-    climb /= np.hypot(*climb)
+    climb = unit_way(np.median(climbs, axis=0))
     if any(angle_deg(other, climb) > SAME_CLIMB_DEG for other in climbs):
         return None
     asides = np.array([climb[0] * link.middle[1] - climb[1] * link.middle[0] for link in inner])

@@ -14,7 +14,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, freeze
 from stair_inspector.geometry.edges import EdgeLine, RobustLine, fit_line_robust
-from stair_inspector.geometry.plan import left_of
+from stair_inspector.geometry.plan import left_of, unit_way
 from stair_inspector.model import HeightOrder, StepShape
 from stair_inspector.stages.sparse import SPARSE_M
 
@@ -285,9 +285,7 @@ def _square_to_nosings(shapes: Sequence[StepShape]) -> Floats:
         slopes = np.array([front.slope for front in known])
         alike = np.abs(slopes - np.median(slopes)) <= _SURE_SLOPE
         slope = float((weights * alike) @ slopes / (weights * alike).sum()) if alike.any() else float(np.median(slopes))
-    turned = climb - slope * left_of(climb)
-    turned /= np.hypot(*turned)
-    return turned
+    return unit_way(climb - slope * left_of(climb))
 
 
 def _lateral_of(heights: HeightOrder, shapes: Sequence[StepShape], k: int, across: Floats) -> tuple[Floats, Floats]:

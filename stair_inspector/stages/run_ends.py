@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stair_inspector import priors
-from stair_inspector.geometry.plan import angle_deg
+from stair_inspector.geometry.plan import angle_deg, unit_way
 from stair_inspector.model import Surface
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.links import Link, depth_along
@@ -84,8 +84,7 @@ def with_weak_links(runs: list[list[Link]], weak: Sequence[Link], params: Flight
         rise_m = float(np.median([each.rise_m for each in (*low, *high)]))
         if before is None or after is None or angle_deg(before, after) > 2.0 * params.turn_deg:
             continue
-        way = before + after
-        way /= np.hypot(*way)
+        way = unit_way(before + after)
         goings = (link.middle - low[-1].middle) @ before, (high[0].middle - link.middle) @ way
         if abs(link.rise_m - rise_m) <= ALTERNATIVE_RISE * rise_m and min(goings) >= priors.SHORTEST_GOING_M:
             # A short edge says little about the direction: it lies between those before and after.

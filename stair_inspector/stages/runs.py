@@ -2,10 +2,8 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from stair_inspector import priors
-from stair_inspector.geometry.plan import angle_deg
+from stair_inspector.geometry.plan import angle_deg, unit_way
 from stair_inspector.params import FlightsParams
 from stair_inspector.stages.links import Link
 from stair_inspector.stages.pace import SAME_CLIMB_DEG
@@ -66,8 +64,7 @@ def consistency(first: Link, second: Link, params: FlightsParams) -> float:
     turn = angle_deg(first.climb, second.climb)
     if high > priors.MOST_UNEVEN * low or turn > params.turn_deg:
         return 0.0
-    way = first.climb + second.climb
-    way /= np.hypot(*way)
+    way = unit_way(first.climb + second.climb)
     move = second.middle - first.middle
     if way @ move < priors.SHORTEST_GOING_M:
         return 0.0
@@ -80,8 +77,7 @@ def edges_overlap(first: Link, second: Link, share: float) -> bool:
     """Return whether two edges of a step, about parallel, face each other along a share of the shorter one."""
     if first.climb is None or second.climb is None:
         return False
-    way = first.climb + second.climb
-    way /= np.hypot(*way)
+    way = unit_way(first.climb + second.climb)
     move = second.middle - first.middle
     sideways = abs(float(move[0] * way[1] - move[1] * way[0]))
     return (first.length_m + second.length_m) / 2.0 - sideways >= share * min(first.length_m, second.length_m)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from stair_inspector.errors import CannotMeasure
-from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.arrays import Floats, Ints
 from stair_inspector.geometry.percentiles import mad_sigma
 from stair_inspector.model import HeightOrder
 from stair_inspector.params import SETTINGS, FlightsParams, Params
@@ -182,10 +182,9 @@ def _find_levels(z_m: Floats, reach_m: float, least: float) -> list[float]:
     return [level for level, n in zip(levels, found, strict=True) if n >= _WEAK_SHARE * float(np.median(found))]
 
 
-def _count(z_m: Floats, at: Floats, reach_m: float) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
+def _count(z_m: Floats, at: Floats, reach_m: float) -> Ints:
     """Count the heights within a reach of each place."""
-    counts: np.ndarray[tuple[int], np.dtype[np.int64]]
-    counts = np.searchsorted(z_m, at + reach_m, side="right") - np.searchsorted(z_m, at - reach_m, side="left")
+    counts: Ints = np.searchsorted(z_m, at + reach_m, side="right") - np.searchsorted(z_m, at - reach_m, side="left")
     return counts
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stair_inspector.geometry.percentiles import percentile_of_sorted
+from stair_inspector.geometry.percentiles import mad_sigma, percentile_of_sorted
 
 coordinates = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=200)
 
@@ -32,3 +32,9 @@ def test_equals_numpy_at_every_length(n):
 @pytest.mark.parametrize(("percent", "expected"), [(0, 10.0), (25, 20.0), (50, 30.0), (60, 34.0), (100, 50.0)])
 def test_hand_computed(percent, expected):
     assert percentile_of_sorted(np.array([10.0, 20.0, 30.0, 40.0, 50.0]), percent) == expected
+
+
+def test_the_scatter_by_medians_is_that_of_normal_values_and_heeds_no_stray():
+    values = np.random.default_rng(3).normal(5.0, 0.2, 20_000)
+    assert mad_sigma(values) == pytest.approx(0.2, rel=0.03)
+    assert mad_sigma(np.append(values, np.full(500, 1e6))) == pytest.approx(0.2, rel=0.07)
