@@ -27,6 +27,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.overrules import OverrulesParams, parse_up
 
 Method = Literal["survey", "paper"]
+Stations = Literal["auto", "as_read"]
 AxesRule = Literal["auto", "global", "per_step"]
 KnownUnit = Literal["m", "cm", "mm", "in", "ft"]
 KNOWN_UNITS: tuple[KnownUnit, ...] = get_args(KnownUnit)
@@ -294,6 +295,13 @@ class Params:
         ScanUnit,
         Setting("Unit of the file", place="scan").says(
             "Unit of the scan's coordinates; 'auto' guesses from the size and says so."
+        ),
+    ] = "auto"
+    stations: Annotated[
+        Stations,
+        Setting("Stations", place="scan").says(
+            "Stations that do not lie over each other: 'auto' lays them onto each other where the order of the points "
+            "tells them apart, 'as_read' leaves every point where it is (survey)."
         ),
     ] = "auto"
     normals: NormalsParams = field(default_factory=NormalsParams)

@@ -6,7 +6,7 @@ from stair_inspector.memo import Memo
 from stair_inspector.model import NO_CHAINS, Inspection, Scan, Step
 from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
-from stair_inspector.stages import orient, paper, treads
+from stair_inspector.stages import orient, paper, stations, treads
 from stair_inspector.stages.bars import join_bars
 from stair_inspector.stages.beyond import note_what_goes_on
 from stair_inspector.stages.dither import spread_steps
@@ -46,6 +46,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     memo = memo or Memo()
     memo.timings_s = {}
     examined = memo.run("examination", examine, scan)
+    scan, examined = memo.run("stations", stations.join_stations, scan, examined, params.stations, params.method)
     normals = memo.run_heavy("normals", orient.find_normals, scan, params.normals)
     if params.up == "auto":
         usual, how = params.flights.at_least_usual, params.method
@@ -81,8 +82,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     least_m2 = params.patches.min_area_m2
     horizontal, patches = memo.run("bars", join_bars, heights, horizontal, patches, least_m2)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
-    is_hopeless = is_too_coarse(found.examination, params.flights)
-    limits, chains = params.flights, NO_CHAINS
+    limits, chains, is_hopeless = params.flights, NO_CHAINS, is_too_coarse(found.examination, params.flights)
     if not is_hopeless:
         patches, chains = memo.run("flights", find_flights, heights, horizontal, patches, limits, least_m2, forced)
     edges_by, step_m = params.survey.of_edges, float(examined.steps_m.max()) if is_sparse else None

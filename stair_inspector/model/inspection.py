@@ -7,6 +7,7 @@ from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model.heights import HeightProfile, Level, Up
 from stair_inspector.model.notes import Note, Observation
 from stair_inspector.model.paper import Axes
+from stair_inspector.model.scan import Moved
 from stair_inspector.model.steps import Flight, Step
 from stair_inspector.model.surfaces import Patch
 from stair_inspector.params import Params
@@ -32,7 +33,8 @@ class Inspection:
     paper's h from the floor to the first step. ``axes`` are those of the paper's values, None where there is no step.
     ``flights``, ``patches`` and ``patch_ids`` (n_used,), the patch of every point or -1, are the survey's and empty
     with the paper's method. ``paper_corners`` holds the corners (4, 3) of every level above the floor, by its number
-    less one, as the paper places them: local. ``examination`` is what was found about the scan before it was measured.
+    less one, as the paper places them: local. ``examination`` is what was found about the scan before it was measured;
+    ``moved`` says which points were laid onto the others before that.
     """
 
     scan: ScanSummary
@@ -52,6 +54,11 @@ class Inspection:
     patch_ids: Ints | None = None
     examination: tuple[Observation, ...] = ()
     paper_corners: tuple[Floats, ...] = ()
+    moved: Moved | None = None
+
+    def places(self, points: Floats, rows: Ints) -> Floats:
+        """Return where points (m, 3), which stand in these rows of the scan, lay when they were measured: local."""
+        return points if self.moved is None else self.moved.places(points, rows)
 
     @property
     def questions(self) -> tuple[Observation, ...]:

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from stair_inspector.errors import DegenerateGeometry
-from stair_inspector.geometry.arrays import Colors, Floats, Ints, own
+from stair_inspector.geometry.arrays import Bools, Colors, Floats, Ints, own
 from stair_inspector.model.notes import Note, Observation
 
 _FARTHEST_M = 10_000.0
@@ -62,6 +62,26 @@ def _check_nearness(points: Floats) -> None:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Moved:
+    """Points that were laid onto the others before they were measured.
+
+    ``is_moved`` (n,) of the scan's points; ``turn`` (3, 3) and ``shift_m`` (3,) local: such a point came to lie at
+    ``turn @ point + shift_m``. ``unheld_m`` (k, 3) are shifts that may be left, along directions in which no surface
+    shows them.
+    """
+
+    is_moved: Bools
+    turn: Floats
+    shift_m: Floats
+    unheld_m: Floats
+
+    def places(self, points: Floats, rows: Ints) -> Floats:
+        """Return where points (m, 3), which stand in these rows of the scan, were measured."""
+        places: Floats = np.where(self.is_moved[rows][:, None], points @ self.turn.T + self.shift_m, points)
+        return places
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Examination:
     """What a scan is like before anything is measured in it.
 
@@ -69,7 +89,7 @@ class Examination:
     integer format, a voxel lattice or float32 far from zero leave it; 0 where none shows. ``layers_m`` (k, 3) are the
     shifts of doubled surfaces against each other, scan axes, each along what faces one way. ``is_thinned`` says that
     the points fill a lattice of these steps, one in each cell; ``is_view`` that the scan was taken from its origin in
-    one direction, as a camera's frame is.
+    one direction, as a camera's frame is; ``moved`` which points were laid onto the others.
     """
 
     observations: tuple[Observation, ...]
@@ -77,3 +97,4 @@ class Examination:
     layers_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     is_thinned: bool = False
     is_view: bool = False
+    moved: Moved | None = None

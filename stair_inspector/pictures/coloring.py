@@ -147,7 +147,7 @@ def residuals_of(inspection: Inspection, display: Display) -> Floats:
     for label, plane in planes:
         rows = np.nonzero(labels == label)[0]
         if plane.normal is not None:
-            residuals[rows] = signed_distance(display.points[rows], plane)
+            residuals[rows] = signed_distance(inspection.places(display.points[rows], display.point_ids[rows]), plane)
     return residuals
 
 

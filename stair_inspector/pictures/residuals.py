@@ -33,7 +33,8 @@ class ResidualMap:
 
 def residual_map(scan: Scan, inspection: Inspection, step: Step) -> ResidualMap | None:
     """Return the map of a step's residuals, or None where the step has no plane."""
-    points = scan.points[np.nonzero(inspection.labels == step.step_id)[0]]
+    rows = np.nonzero(inspection.labels == step.step_id)[0]
+    points = inspection.places(scan.points[rows], rows)
     if step.plane.normal is None or not len(points):
         return None
     frame = section_frame(inspection, points, step.step_id)

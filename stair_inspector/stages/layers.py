@@ -13,7 +13,7 @@ _FEWEST_IN_CELL = 40
 _CLEARLY_FLAT, _FLAT = 0.5, 0.8
 """Scatter across a surface, as a share of the lesser one along it. Two layers 60 mm apart still count as flat; so do
 many cells at edges, which therefore do not count as single where they are not double."""
-_SAME_WAY = 0.985
+SAME_WAY = 0.985
 """Cosine of 10 degrees: the cells of surfaces that face one way."""
 _MOST_WAYS = 3
 _REACH_M = 0.075
@@ -53,8 +53,11 @@ class DoubledWay:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Split:
-    """The points of cells cut in two across the surface: distance of the halves, and whether they are two layers."""
+class Split:
+    """The points of cells cut in two across the surface.
+
+    Distance of the halves (c,), whether they are two layers, and where the middle between them lies along the normal.
+    """
 
     apart_m: Floats
     is_double: Bools
@@ -81,19 +84,23 @@ def find_doubled(points: Floats, steps_m: Floats) -> tuple[DoubledWay, ...]:
     some = points[:: -(-len(points) // _MOST_POINTS)]
     found: list[DoubledWay] = []
     for shift_m in (0.0, _CELL_M / 2.0):
-        cells = _Cells(some, shift_m)
+        cells = Cells(some, shift_m)
         for normal, members in cells.ways():
             way = _judge(cells, normal, members, float(np.abs(normal) @ steps_m))
-            is_known = any(abs(float(way.normal @ other.normal)) > _SAME_WAY for other in found) if way else True
+            is_known = any(abs(float(way.normal @ other.normal)) > SAME_WAY for other in found) if way else True
             if way is not None and not is_known:
                 found.append(way)
     return tuple(found)
 
 
-class _Cells:
-    """The points of a scan in cubic cells, those with enough points on something flat."""
+class Cells:
+    """The points of a scan in cubic cells, those with enough points on something flat.
 
-    def __init__(self, points: Floats, shift_m: float) -> None:
+    ``points`` (n, 3) metres, cell by cell, and ``rows`` (n,) where each stands in the scan; ``starts`` and ``counts``
+    (c,) say which are a cell's.
+    """
+
+    def __init__(self, points: Floats, shift_m: float = 0.0) -> None:
         places = np.floor((points - points.min(axis=0) + shift_m) / _CELL_M).astype(np.int64)
         n_y, n_z = places[:, 1].max() + 1, places[:, 2].max() + 1
         keys = (places[:, 0] * n_y + places[:, 1]) * n_z + places[:, 2]
@@ -103,7 +110,8 @@ class _Cells:
         counts = np.diff(np.append(starts, len(ordered)))
         is_full = counts >= _FEWEST_IN_CELL
         of_point = np.repeat(is_full, counts)
-        self.points = points[order][of_point]
+        self.rows = order[of_point]
+        self.points = points[self.rows]
         self.counts = counts[is_full]
         self.starts = np.cumsum(self.counts) - self.counts
         self.normals, self.flatness = self._normals()
@@ -127,7 +135,7 @@ class _Cells:
         ways: list[tuple[Floats, Ints]] = []
         while len(left) >= _FEWEST_CELLS and len(ways) < _MOST_WAYS:
             tried = self.normals[left[:: -(-len(left) // 300)]]
-            agree = np.abs(tried @ self.normals[left].T) >= _SAME_WAY
+            agree = np.abs(tried @ self.normals[left].T) >= SAME_WAY
             is_own = agree[int(agree.sum(axis=1).argmax())]
             if np.count_nonzero(is_own) < _FEWEST_CELLS:
                 break
@@ -135,11 +143,11 @@ class _Cells:
             # The middle of those nearest to it: cells at edges lean.
             closeness = np.abs(own @ _middle(own))
             normal = _middle(own[closeness >= np.median(closeness)])
-            ways.append((normal, flat[np.abs(self.normals[flat] @ normal) >= _SAME_WAY]))
+            ways.append((normal, flat[np.abs(self.normals[flat] @ normal) >= SAME_WAY]))
             left = left[~is_own]
         return ways
 
-    def split(self, normal: Floats, members: Ints) -> _Split:
+    def split(self, normal: Floats, members: Ints) -> Split:
         """Cut the points of the cells ``members`` in two along ``normal``."""
         across = np.eye(3)[int(np.abs(normal).argmin())]
         first = np.cross(normal, across)
@@ -184,7 +192,7 @@ class _Cells:
     @staticmethod
     def _compare(
         r: Floats, plan: Floats, number: Ints, place: Ints, starts: Ints, counts: Ints, low: Ints, middle: Floats
-    ) -> _Split:
+    ) -> Split:
         def quantile(begin: Ints, length: Ints, share: float) -> Floats:
             return r[begin + np.minimum((share * length).astype(np.int64), length - 1)]
 
@@ -214,7 +222,7 @@ class _Cells:
             cell = slice(starts[k], starts[k] + counts[k])
             is_double[k] = _lie_over_each_other(plan[:, cell][:, is_low[cell]], plan[:, cell][:, ~is_low[cell]])
         # Two layers are one plane, in whichever of them most points lie.
-        return _Split(apart, is_double, np.where(is_double, 0.5 * (centre_low + centre_high), middle))
+        return Split(apart, is_double, np.where(is_double, 0.5 * (centre_low + centre_high), middle))
 
 
 def _lie_over_each_other(low: Floats, high: Floats) -> bool:
@@ -232,7 +240,7 @@ def _middle(normals: Floats) -> Floats:
     return np.asarray(np.linalg.eigh(normals.T @ normals)[1][:, 2], dtype=np.float64)
 
 
-def _judge(cells: _Cells, normal: Floats, members: Ints, step_m: float) -> DoubledWay | None:
+def _judge(cells: Cells, normal: Floats, members: Ints, step_m: float) -> DoubledWay | None:
     """Return how surfaces that face one way are double, None where they are not."""
     split = cells.split(normal, members)
     apart = np.sort(split.apart_m[split.is_double])

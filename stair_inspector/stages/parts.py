@@ -40,12 +40,14 @@ class Common:
     scan_from_level: Floats
     steps_m: Floats
     layers_m: Floats
+    aside_m: Floats
     is_thinned: bool
     is_view: bool
 
     @classmethod
     def of(cls, up: Up, doubts: UncertaintyParams, level_from_scan: Floats, examined: Examination | None) -> "Common":
         """Return what the user states about a scan, and what was found about it before it was measured."""
+        moved = None if examined is None else examined.moved
         return cls(
             up_rad=math.radians(math.hypot((up.u_deg or 0.0) / 2.0, doubts.up_deg)),
             registration_m=doubts.registration_m,
@@ -56,6 +58,7 @@ class Common:
             scan_from_level=level_from_scan.T,
             steps_m=np.zeros(3) if examined is None else examined.steps_m,
             layers_m=np.zeros((0, 3)) if examined is None else examined.layers_m @ level_from_scan.T,
+            aside_m=np.zeros((0, 3)) if moved is None else moved.unheld_m @ level_from_scan.T,
             is_thinned=examined is not None and examined.is_thinned,
             is_view=examined is not None and examined.is_view,
         )
@@ -137,10 +140,16 @@ class Doubts:
         }
 
     def layers_aside(self, shape: StepShape) -> float:
-        """Return the same of an edge at a tread's side, square to the climb."""
-        apart_m = self._apart_m(np.array([*left_of(shape.climb), 0.0]))
-        # What a strip of carpet leaves of the width goes to two sides, and to one direction.
-        return math.hypot(apart_m, shape.plane.aside_m / math.sqrt(2.0)) / 2.0
+        """Return the same of an edge at a tread's side, square to the climb.
+
+        Every tread is as wide as the stations together show it, so a shift that no surface shows widens it; the faces
+        of nosings and risers are seen from below, mostly by the same stations.
+        """
+        left = np.array([*left_of(shape.climb), 0.0])
+        apart_m = self._apart_m(left)
+        untold_m = layers_doubt(float(np.abs(self._common.aside_m @ left).max(initial=0.0)))
+        # What a strip of carpet leaves of the width goes to two sides, and to one direction; so does an untold shift.
+        return math.hypot(apart_m / 2.0, math.hypot(shape.plane.aside_m / 2.0, untold_m) / math.sqrt(2.0))
 
     def _apart_m(self, direction: Floats) -> float:
         """Return how far doubled surfaces lie apart in a direction of the level frame."""

@@ -80,6 +80,7 @@ def conclude(
         timings_s=dict(timings_s),
         examination=(*examined.observations, *up.observations),
         paper_corners=tuple(step.corners for step in steps),
+        moved=examined.moved,
     )
 
 

@@ -35,7 +35,8 @@ class Variant:
 
     ``points`` (n, 3) file unit; ``nosings`` the two ends of every true nosing, metres, in the file's frame; ``truths``
     the true values of each, metres; ``uneven_step`` the step whose riser is out of the limits, where there is one;
-    ``preset`` the settings that its user chooses.
+    ``preset`` the settings that its user chooses; ``has_flight`` whether two treads or more are in view, for of fewer
+    nobody tells a flight.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Variant:
     uneven_step: int | None = None
     is_partly_seen: bool = False
     preset: str = "tls"
+    has_flight: bool = True
 
     @property
     def is_uneven(self) -> bool:
@@ -69,8 +71,12 @@ def variant_of(
     uneven_step: int | None = None,
     is_partly_seen: bool = False,
     preset: str = "tls",
+    fewest_in_view: int = 0,
 ) -> Variant:
-    """Scan a staircase, turn and shift it, give it another unit and spoil it, in this order."""
+    """Scan a staircase, turn and shift it, give it another unit and spoil it, in this order.
+
+    A tread of which fewer points than ``fewest_in_view`` were measured is not in view.
+    """
     simulated = _scanned(stair, scanner)
     motion = np.eye(3) if turn is None else turn
     shift = np.array(shift_m)
@@ -94,7 +100,9 @@ def variant_of(
         )
     points = spoil(moved(points_of(simulated)) / METRES_PER_UNIT[unit])
     pairs = tuple((nosing[0], nosing[1]) for nosing in nosings)
-    return Variant(name, points, pairs, tuple(values), uneven_step, is_partly_seen, preset)
+    in_view = np.bincount(np.maximum(simulated.labels, 0), minlength=len(truths) + 1)[1:] >= fewest_in_view
+    has_flight = np.count_nonzero(in_view) > 1
+    return Variant(name, points, pairs, tuple(values), uneven_step, is_partly_seen, preset, has_flight)
 
 
 def on_step(step_m: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -220,6 +228,7 @@ def camera_frames(seed: int) -> Iterator[Variant]:
             shift_m=(-float(place[0]), -float(place[1]), -float(place[2])),
             is_partly_seen=True,
             preset="depth_camera" if is_noisy else "tls",
+            fewest_in_view=1,
         )
 
 

@@ -88,7 +88,7 @@ def examine_variant(variant: Variant, folder: Path, tally: Tally) -> tuple[str, 
         return "withheld", [found.message for found in inspection.questions]
     if not inspection.steps:
         reason = next((note.message for note in inspection.notes if note.code == "no_staircase"), "")
-        return ("withheld" if variant.nosings else "right"), [reason]
+        return ("withheld" if variant.nosings and variant.has_flight else "right"), [reason]
     ratios: dict[str, list[float]] = {name: [] for name in QUANTITIES}
     wrong, n_missed = _compare(variant, inspection, scan.origin_m, ratios)
     for name, values in ratios.items():
