@@ -29,7 +29,8 @@ def test_no_note_and_no_error_of_the_stages_speaks_of_the_command_line_on_the_pa
         for line in path.read_text(encoding="utf-8").splitlines()
         # A cure is a flag; the page makes a button of it.
         if '"' in line
-        and not line.strip().startswith(("cure=", '"""'))
+        and "cure=" not in line
+        and not line.strip().startswith('"""')
         and ("--up" in line or "--unit" in line or "uncertainty.*" in line)
     ]
     assert len(spoken) >= 6
