@@ -28,16 +28,16 @@ def turn_deg(a: Floats, b: Floats) -> float:
     return math.degrees(math.atan2(float(a[0] * b[1] - a[1] * b[0]), float(a @ b)))
 
 
-def place_in_frame(place: Floats, origin: Floats, climb: Floats) -> tuple[float, float]:
+def place_in_frame(place: Floats, origin: Floats, ahead: Floats) -> tuple[float, float]:
     """Return how far along a direction (2,), and how far to its left, one place (2,) of a plan lies from an origin."""
     shift = place - origin
-    return float(shift @ climb), float(shift[1] * climb[0] - shift[0] * climb[1])
+    return float(shift @ ahead), float(shift[1] * ahead[0] - shift[0] * ahead[1])
 
 
-def in_frame(plan: Floats, origin: Floats, climb: Floats) -> tuple[Floats, Floats]:
+def in_frame(plan: Floats, origin: Floats, ahead: Floats) -> tuple[Floats, Floats]:
     """Return how far along a direction (2,), and how far to its left, places (2, n) of a plan lie from an origin."""
     x, y = plan[0] - origin[0], plan[1] - origin[1]
-    return climb[0] * x + climb[1] * y, climb[0] * y - climb[1] * x
+    return ahead[0] * x + ahead[1] * y, ahead[0] * y - ahead[1] * x
 
 
 def cell_keys(places_m: Floats, side_m: float) -> Ints:
