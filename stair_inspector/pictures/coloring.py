@@ -77,7 +77,6 @@ def color_points(
     *,
     normals: Floats | None = None,
     axes: Floats | None = None,
-    limit_m: float | None = None,
     with_rejected: bool = False,
 ) -> Coloring:
     """Colour the displayed points.
@@ -94,15 +93,13 @@ def color_points(
         Unit normals of all points of the scan, sign free; needed for the mode "Normal" alone.
     axes : (3, 3), optional
         Right of the climber, climb and up as rows, local; needed for the mode "Normal" alone.
-    limit_m : float, optional
-        Distance at the ends of the residual's scale, metres; None chooses it from the residuals themselves.
     with_rejected : bool
         Whether rejected surfaces have a colour of their own in the mode "Step".
 
     Raises
     ------
     ConfigError
-        The normals are missing, or the limit is not between 0.5 mm and 1 m.
+        The normals are missing.
     """
     if mode == "Step":
         return Coloring(step_colors(inspection, display, palette, with_rejected=with_rejected), _step_legend(palette))
@@ -113,7 +110,9 @@ def color_points(
             raise ConfigError("colour by normal: the normals are not there yet; wait for the result, then try again")
         return _by_normal(normals[display.point_ids], axes)
     if mode == "Residual":
-        return _by_residual(residuals_of(inspection, display), limit_m)
+        residuals = residuals_of(inspection, display)
+        limit_m = residual_limit(residuals)
+        return Coloring(color_residuals(residuals, limit_m), residual_legend(limit_m))
     return Coloring(display.colors, Legend("colours of the scan; grey where it has none"))
 
 
@@ -287,15 +286,6 @@ def _by_normal(normals: Floats, axes: Floats) -> Coloring:
             ),
         ),
     )
-
-
-def _by_residual(residuals: Floats, limit_m: float | None) -> Coloring:
-    if limit_m is None:
-        limit_m = residual_limit(residuals)
-    # A comparison with something that is no number is False.
-    elif not _LEAST_LIMIT_M <= limit_m <= _MOST_LIMIT_M:
-        raise ConfigError(f"colour limit: got {limit_m * 1000.0:g} mm; give 0.5 to 1000 mm")
-    return Coloring(color_residuals(residuals, limit_m), residual_legend(limit_m))
 
 
 def rejected_of(inspection: Inspection) -> list[Patch]:

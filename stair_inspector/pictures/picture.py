@@ -159,7 +159,7 @@ def pictures_zip(
     views: Iterable[tuple[str, Pose, float]],
     render: Callable[[Pose, float], Colors],
     finish: Callable[[str, Colors, Pose, float], bytes],
-    on_view: Callable[[str], bool] = lambda name: True,
+    on_view: Callable[[str], None] = lambda name: None,
 ) -> bytes:
     """Return a zip of pictures, one for each view.
 
@@ -175,19 +175,13 @@ def pictures_zip(
     finish : callable
         Returns the PNG of a view's name, pixels, camera and angle: :func:`picture_png`.
     on_view : callable
-        Told each name before it is made; returns False to stop.
-
-    Raises
-    ------
-    ConfigError
-        It was stopped.
+        Told each name before it is made; may raise to stop.
     """
     stream = io.BytesIO()
     taken: set[str] = set()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED) as archive:
         for name, pose, fov_rad in views:
-            if not on_view(name):
-                raise ConfigError("pictures: cancelled; nothing was saved")
+            on_view(name)
             png = finish(name, render(pose, fov_rad), pose, fov_rad)
             archive.writestr(f"{_free_name(f'{safe_name(stem)}_{safe_name(name).lower()}', taken)}.png", png)
     return stream.getvalue()

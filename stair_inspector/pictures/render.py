@@ -54,7 +54,6 @@ def render_view(
     date: str,
     *,
     title: str = "",
-    palette: Palette | None = None,
     unit: Unit = "mm",
     display: Display | None = None,
     text_scale: float = 1.0,
@@ -84,7 +83,7 @@ def render_view(
     ConfigError
         The size is not one of a picture.
     """
-    palette = palette or read_palette("page")
+    palette = read_palette("page")
     display = display or choose_display(scan, MOST_POINTS)
     turn = view_from_local(inspection)
     shown = _without_cover(inspection, display, view, turn)

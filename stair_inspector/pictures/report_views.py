@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.pictures.cameras import View
 from stair_inspector.pictures.display import choose_display
@@ -32,7 +31,6 @@ def report_views(
     date: str,
     *,
     title: str = "",
-    palette: Palette | None = None,
     unit: Unit = "mm",
     width: int = REPORT_WIDTH,
 ) -> tuple[RenderedView, ...]:
@@ -46,8 +44,6 @@ def report_views(
         The same scan that was inspected.
     date, title : str
         Burned into every picture, beside the scan's name.
-    palette : Palette, optional
-        By default that of the page.
     unit : {"mm", "in"}
         Of the scale bar.
     width : int
@@ -74,7 +70,6 @@ def report_views(
                 (round(width * share), None),
                 date,
                 title=title,
-                palette=palette,
                 unit=unit,
                 display=display,
                 text_scale=1.0 / share,

@@ -15,9 +15,11 @@ _EDGE_POINTS = 2000
 """Distance of the points that draw an edge in the debug PLY, and the most of them: a wrong unit makes long edges."""
 
 
-def debug_ply_bytes(scan: Scan, inspection: Inspection, palette: Palette | None = None) -> bytes:
+def debug_ply_bytes(scan: Scan, inspection: Inspection) -> bytes:
     """Return the scan in the paper's colours, with its edges drawn as rows of extra points (step 11 of the paper).
 
+    Floor gray, non-stair black, steps in turn red, orange, yellow, green, blue, indigo, violet; front edge and nosing
+    line pink, back edge black, side edges gray, the K points nearest to each centre black, measuring lines turquoise.
     Where the survey has measured, each step's nosing line and its three measuring lines are drawn too: the going from
     the nosing along the climb, the rise from the nosing down.
 
@@ -25,17 +27,13 @@ def debug_ply_bytes(scan: Scan, inspection: Inspection, palette: Palette | None 
     ----------
     scan, inspection
         The same scan that was inspected.
-    palette : Palette, optional
-        By default the paper's: floor gray, non-stair black, steps in turn red, orange, yellow, green, blue, indigo,
-        violet; front edge and nosing line pink, back edge black, side edges gray, the K points nearest to each centre
-        black, measuring lines turquoise.
 
     Returns
     -------
     bytes
         Binary PLY, float64 coordinates in metres in the scan frame; the scan's used points first, then the edges.
     """
-    palette = palette or read_palette("paper")
+    palette = read_palette("paper")
     # Rejected levels have no step: they are drawn as what they are, not part of a stair.
     highest = max((step.step_id for step in inspection.steps), default=0)
     labels = np.where(inspection.labels > highest, -1, inspection.labels).astype(np.int16)

@@ -195,11 +195,16 @@ def test_the_zip_has_a_picture_for_every_view_each_of_its_own_camera():
     assert asked == [(pose, fov_rad) for _, pose, fov_rad in views]
 
 
-def test_a_zip_that_is_cancelled_is_none():
+def test_a_zip_that_is_stopped_is_none():
     views = [(view, frame_view(view, BOX, 1.5, np.eye(3)), FOV_RAD) for view in VIEWS]
     made = []
-    with pytest.raises(ConfigError, match="cancelled; nothing was saved"):
-        pictures_zip("s", views, lambda pose, fov: made.append(pose), lambda *_: b"", lambda name: len(made) < 2)
+
+    def stop(name):
+        if len(made) == 2:
+            raise ConfigError("stopped")
+
+    with pytest.raises(ConfigError, match="stopped"):
+        pictures_zip("s", views, lambda pose, fov: made.append(pose), lambda *_: b"", stop)
     assert len(made) == 2
 
 

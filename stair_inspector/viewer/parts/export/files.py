@@ -5,6 +5,7 @@ import dataclasses
 import datetime
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import viser
@@ -124,19 +125,12 @@ class Downloads:
         views = [self._view(shown, view) for view in VIEWS]
         names = [name for name, _, _ in views]
 
-        def told(name: str) -> bool:
+        def told(name: str) -> None:
             made = names.index(name)
             tell(f"picture {made + 1} of {len(names)} …", 100.0 * made / len(names))
-            return True
 
         with self._studio() as render:
-            return pictures_zip(
-                shown.stem,
-                views,
-                render,
-                lambda name, pixels, pose, fov: self._finish(sitting, name, pixels, pose, fov),
-                told,
-            )
+            return pictures_zip(shown.stem, views, render, partial(self._finish, sitting), told)
 
     def _sit(self, shown: Shown) -> "_Sitting":
         """Note what is said of pictures: while they are made the page goes on."""
