@@ -1,9 +1,6 @@
 """Where the camera stands for each view.
 
-Coordinates of the view: x to the right of someone who climbs, y along the climb, z up. Wired so: the pose of a view
-goes to the camera with ``fov`` (:data:`FOV_RAD`, or :data:`ORTHO_FOV_RAD` for the orthographic look) and the planes of
-:func:`clip_range`; :func:`with_fov` changes the look and keeps what is seen; :func:`step_frame` gives the box and the
-turn with which :func:`frame_view` looks at one step; :func:`to_saved` and :func:`from_saved` keep a view in a project.
+Coordinates of the view: x to the right of someone who climbs, y along the climb, z up.
 """
 
 import math

@@ -1,8 +1,6 @@
 """What the points' colours tell: step, height, direction of the surface, distance from the step's plane, or the scan.
 
-Wired in three lines: ``coloring = color_points(mode, ...)``, then ``dataclasses.replace(drawing, colors=...)`` before
-it is shown, then ``legend_html(coloring.legend)``. Edge shading is :func:`shade` over any of them. Nothing here is sent
-twice: the cloud stays, and its colours are replaced.
+Edge shading is :func:`shade` over any of them.
 """
 
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 """Pictures for a report: a rendered view with title, scan, date, settings, legend and scale bar burned in, as PNG.
 
-Wired so: ``render(pose, fov_rad)`` of :func:`~stair_inspector.viewer.parts.studio.studio` gives the pixels, and
-``picture_png(pixels, caption, legend, scale_of(...), background)`` is the file. ``pictures_zip`` does so for all
-standard views. Nothing here knows the page, so the same picture can be made from any pixels.
+Nothing here knows the page, so the same picture can be made from any pixels.
 """
 
 import io

@@ -115,7 +115,7 @@ class Page:
         self.parts: tuple[PagePart, ...] = ()
         try:
             self.opening.restore()
-            self._make_parts(Widgets(client.gui, notices.guard), workshop, library)
+            self._make_parts(Widgets(client.gui, notices.guard), workshop)
             self.desk.status.waiting = "starting …"
             self.changed(*PageChange)
             self.editor.submit()
@@ -123,7 +123,7 @@ class Page:
             self.close()
             raise
 
-    def _make_parts(self, widgets: Widgets, workshop: Workshop, library: Library) -> None:
+    def _make_parts(self, widgets: Widgets, workshop: Workshop) -> None:
         context = Context(
             widgets=widgets,
             desk=self.desk,
@@ -132,7 +132,6 @@ class Page:
             editor=self.editor,
             keeper=self.keeper,
             opening=self.opening,
-            library=library,
             workshop=workshop,
             making=self.making,
             runs=self.runs,

@@ -1,8 +1,6 @@
 """How does a quantity depend on a setting? Measured over the setting's range, to find a plateau.
 
-Wired on a thread of its own, with a memo of its own: ``sweep(scan, params, "levels.eps_m", Memo(heavy=...), is_wanted,
-on_point)``; each call of ``on_point`` gets the sweep so far, which ``sensitivity_html.sweep_html`` draws. One sweep
-serves every quantity.
+One sweep serves every quantity.
 """
 
 from collections.abc import Callable, Mapping

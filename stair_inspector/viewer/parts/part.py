@@ -21,7 +21,6 @@ from stair_inspector.viewer.parts.scene_look import SceneLook
 from stair_inspector.viewer.state.change import PageChange
 from stair_inspector.viewer.state.editor import Editor
 from stair_inspector.viewer.state.keeper import Keeper
-from stair_inspector.viewer.state.library import Library
 from stair_inspector.viewer.state.opening import Opening
 
 
@@ -40,7 +39,6 @@ class Context:
     editor: Editor
     keeper: Keeper
     opening: Opening
-    library: Library
     workshop: Workshop
     making: Making
     runs: Runs

@@ -52,7 +52,7 @@ class _Framed:
 
 
 class SceneLook:
-    """Everything about the picture that is no result. Callers hold the desk's lock.
+    """Everything about the picture that is no result. Callers hold the desk's lock, but for what a person chooses.
 
     ``color_mode``, ``is_shaded``, ``is_ortho`` and ``percent`` of the points belong to the page and not to the project.
     ``gone_to`` is where the camera was last sent, and its angle of view: another object with every move.
@@ -94,11 +94,15 @@ class SceneLook:
 
     def set_color(self, option: object) -> None:
         """Choose what the colours tell."""
-        self.color_mode = one_of(option, COLOR_MODES, "colour by")
+        with self._desk.lock:
+            self.color_mode = one_of(option, COLOR_MODES, "colour by")
+            self._desk.changed(PageChange.COLORS)
 
     def set_shading(self, is_shaded: object) -> None:
         """Switch the light and the darker creases on or off."""
-        self.is_shaded = bool(is_shaded)
+        with self._desk.lock:
+            self.is_shaded = bool(is_shaded)
+            self._desk.changed(PageChange.COLORS)
 
     def prepare(self, shown: Shown) -> None:
         """Make what is drawn of a result that is about to be shown: if that fails, the last one stays."""

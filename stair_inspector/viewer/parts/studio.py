@@ -1,8 +1,7 @@
 """Takes pictures with the inspector's own page: the camera goes where the picture is taken, and afterwards back.
 
 The page sizes points and labels for its own camera and window; a picture from elsewhere would have letters as large as
-steps. Wired so, never in an asynchronous callback: ``with studio(desk, width, height) as render:`` and then
-``render(pose, fov_rad)`` for each picture, or ``pictures_zip(..., render, ...)`` for all views.
+steps. Never in an asynchronous callback: the page's answer is waited for.
 """
 
 from collections.abc import Callable, Iterator

@@ -1,11 +1,7 @@
 """Points and distances that an inspector takes by clicking: how they add up, how they are drawn and listed.
 
 The measurements are :class:`~stair_inspector.files.projects.Measurement` values of the project; every change here
-returns another tuple, so that a history can undo it. Wired so: ``ruler.mode`` from a control; on each pick
-``made = ruler.click(pick.place_m, measurements)``, which is a new measurement or, after the first of two points, None;
-``stage.show_measurements(drawing_of(measurements, ruler.waiting, ...))`` draws, ``measurements_html`` lists. A row's
-button writes an order of :data:`ORDERS` into the hidden control; see
-:func:`~stair_inspector.viewer.bridge.markup.read_order`.
+returns another tuple, so that a history can undo it.
 """
 
 from dataclasses import dataclass, replace

@@ -1,10 +1,4 @@
-"""Which point a click means: the foremost drawn point near the ray through the pixel.
-
-Wired so: on a click with the modifier that is set aside for it, ``ray_of(event.ray_origin, event.ray_direction,
-stage.rotation)`` turns viser's ray into local coordinates, ``point_at_click(points, ray, cone_of(camera.fov,
-camera.image_height))`` gives a row of the points that are drawn (the display's, those of the section, or those in the
-region: pass only what is seen), and ``pick_of`` says what lies there.
-"""
+"""Which point a click means: the foremost drawn point near the ray through the pixel."""
 
 import math
 from dataclasses import dataclass

@@ -1,11 +1,4 @@
-"""A slab cut out of the scan, along or across the stair: which points lie in it, and its outline seen from the side.
-
-Wired so: ``frame = section_frame(inspection, display.points, step_id)``, the place's slider from
-``places(frame, display.points, direction)``, ``slab = cut(frame, direction, place_m, thickness_m, display.points)``.
-Then ``shown = section_display(scan, slab)``, coloured as any display, is drawn instead of the clouds by
-``stage.show_section(shown.points, colors, slab.corners)``; ``profile_svg(profile_of(...), ...)`` is the plot; and a
-click picks among ``shown.points``.
-"""
+"""A slab cut out of the scan, along or across the stair: which points lie in it, and its outline seen from the side."""
 
 import math
 from dataclasses import dataclass

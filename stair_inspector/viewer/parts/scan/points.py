@@ -18,12 +18,12 @@ class PointsFolder:
         widgets = context.widgets
         with widgets.folder("Points"):
             widgets.dropdown(
-                "Colour by", COLOR_MODES, hint="Of the segmented cloud; see the legend.", on_change=self.set_color
+                "Colour by", COLOR_MODES, hint="Of the segmented cloud; see the legend.", on_change=look.set_color
             )
             widgets.checkbox(
                 "Shade edges",
                 hint="Light from the lower left, and darker creases, as the normals say.",
-                on_change=self.set_shading,
+                on_change=look.set_shading,
             )
             self._size = widgets.slider(
                 "Point size [mm]",
@@ -52,18 +52,6 @@ class PointsFolder:
             return
         size_mm = round(self._desk.stage.point_size_m * 1000.0, 1)
         self._size.value = min(self._size.max, max(self._size.min, size_mm))
-
-    def set_color(self, option: str) -> None:
-        """Choose what the colours tell."""
-        with self._desk.lock:
-            self._look.set_color(option)
-            self._desk.changed(PageChange.COLORS)
-
-    def set_shading(self, is_shaded: bool) -> None:
-        """Switch the light and the darker creases on or off."""
-        with self._desk.lock:
-            self._look.set_shading(is_shaded)
-            self._desk.changed(PageChange.COLORS)
 
     def set_density(self, percent: float) -> None:
         """Draw so many of the points."""

@@ -1,7 +1,4 @@
-"""Two results of one scan side by side: which steps are the same, and by how much their values differ.
-
-Wired by ``tab.comparison.content = comparison_html(compare(kept, shown), "run 1", "now", unit)``; nothing here is live.
-"""
+"""Two results of one scan side by side: which steps are the same, and by how much their values differ."""
 
 import math
 from collections.abc import Sequence

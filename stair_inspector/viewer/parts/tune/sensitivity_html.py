@@ -1,7 +1,4 @@
-"""A sweep as an SVG drawing with a sentence about its plateau, in the page's own colours, no script.
-
-Wired by ``tab.sweep.content = sweep_html(found, "n_steps", unit)`` at every call of the sweep's ``on_point``.
-"""
+"""A sweep as an SVG drawing with a sentence about its plateau, in the page's own colours, no script."""
 
 import math
 from dataclasses import dataclass

@@ -13,7 +13,6 @@ from PIL import Image
 from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.cameras import VIEWS
 from stair_inspector.viewer.compute.runs import Progress
-from stair_inspector.viewer.state.change import PageChange
 from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
 
@@ -73,13 +72,9 @@ def test_no_picture_gets_a_caption_of_something_else(page, session, files, camer
         session.editor.adjust(lambda params: params.replaced("levels.eps_m", 0.033), "eps")
         page.await_result()
 
-    def colours():
-        session.look.set_color("Height")
-        session.desk.changed(PageChange.COLORS)
-
     camera.meanwhile = {
         "settings": settings,
-        "colours": colours,
+        "colours": lambda: session.look.set_color("Height"),
         "mode": lambda: session.look.choose_mode("Raw"),
     }[change]
     with pytest.raises(ConfigError, match="what is shown changed while the picture was made"):

@@ -70,7 +70,7 @@ def taken(session):
 
 ACTIONS = {
     "a step is chosen": lambda session: session.desk.select(2),
-    "other colours": lambda session: part_of(session, "scan").points.set_color("Height"),
+    "other colours": lambda session: session.look.set_color("Height"),
     "dark": lambda session: session.desk.set_theme(True),
     "a section": lambda session: part_of(session, "look").section.set_on(True),
     "larger points": lambda session: session.look.set_point_size(20.0),
