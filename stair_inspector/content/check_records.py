@@ -19,8 +19,7 @@ def check_record(check: Check) -> dict[str, Any]:
         "rules": [_rule_record(rule) for rule in check.rule_set.rules],
         "findings": [_finding_record(found) for found in check.findings],
         "fits": [_fit_record(fit) for fit in check.fits],
-        "not_assessed": list(check.not_assessed),
-        "notes": list(check.notes),
+        **by_name(check, "not_assessed", "notes"),
     }
 
 
@@ -30,19 +29,15 @@ def si_unit(rule: Rule) -> str | None:
 
 
 def _set_record(rule_set: RuleSet) -> dict[str, Any]:
-    return {
-        "id": rule_set.set_id,
-        "name": rule_set.name,
-        "edition": rule_set.edition,
-        "variant": rule_set.variant,
-        "source": rule_set.source,
-        "file": rule_set.file,
-        "sha256": rule_set.sha256,
-        "overlays": list(rule_set.overlays),
-        "is_shipped": rule_set.is_shipped,
-        "is_edited": rule_set.is_edited,
-        "edits": [_edit_record(edit) for edit in rule_set.edits],
-    }
+    names = ("name", "edition", "variant", "source", "file", "sha256", "overlays", "is_shipped", "is_edited")
+    edits = [_edit_record(edit) for edit in rule_set.edits]
+    return {"id": rule_set.set_id, **by_name(rule_set, *names), "edits": edits}
+
+
+def by_name(value: object, *names: str) -> dict[str, Any]:
+    """Return fields of a value that are called in the JSON as in the program, tuples as lists."""
+    fields = {name: getattr(value, name) for name in names}
+    return {name: list(field) if isinstance(field, tuple) else field for name, field in fields.items()}
 
 
 def _edit_record(edit: RuleEdit) -> dict[str, Any]:
@@ -58,24 +53,18 @@ def _edit_record(edit: RuleEdit) -> dict[str, Any]:
 def _rule_record(rule: Rule) -> dict[str, Any]:
     return {
         "id": rule.rule_id,
-        "clause": rule.clause,
-        "term": rule.term,
-        "quantity": rule.quantity,
-        "statistic": rule.statistic,
+        **by_name(rule, "clause", "term", "quantity", "statistic"),
         "unit": si_unit(rule),
         "minimum": _limit_record(rule.minimum),
         "maximum": _limit_record(rule.maximum),
-        "severity": rule.severity,
-        "from_scan": rule.from_scan,
-        "grade": rule.grade,
-        "applies": rule.applies,
+        **by_name(rule, "severity", "from_scan", "grade", "applies"),
         "only_where": _condition_record(rule.only_where),
         "note": rule.note,
     }
 
 
 def _limit_record(limit: Limit | None) -> dict[str, Any] | None:
-    return None if limit is None else {"written": limit.written, "unit": limit.unit, "value": limit.value}
+    return None if limit is None else by_name(limit, "written", "unit", "value")
 
 
 def _condition_record(condition: Condition | None) -> dict[str, Any] | None:
@@ -85,16 +74,13 @@ def _condition_record(condition: Condition | None) -> dict[str, Any] | None:
 def _finding_record(found: Finding) -> dict[str, Any]:
     return {
         "rule": found.rule.rule_id,
-        "flight": found.flight,
-        "steps": list(found.steps),
+        **by_name(found, "flight", "steps"),
         "verdict": found.verdict.value,
-        "value": found.value,
-        "u": found.u,
-        "margin": found.margin,
+        **by_name(found, "value", "u", "margin"),
         "limit": found.side,
         "reason": found.reason,
     }
 
 
 def _fit_record(fit: Fit) -> dict[str, Any]:
-    return {"rule": fit.rule_id, "is_fit": fit.is_fit, "words": fit.words, "u": fit.u, "tolerance": fit.tolerance}
+    return {"rule": fit.rule_id, **by_name(fit, "is_fit", "words", "u", "tolerance")}

@@ -7,7 +7,7 @@ import numpy as np
 
 from stair_inspector import __version__
 from stair_inspector.codes import Check
-from stair_inspector.content.check_records import check_record
+from stair_inspector.content.check_records import by_name, check_record
 from stair_inspector.files.settings import params_to_dict
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Flight, Inspection, Measured, Patch, Statistics, Step
@@ -29,11 +29,7 @@ def inspection_to_dict(inspection: Inspection, check: Check | None = None) -> di
         "software": {"name": "stair_inspector", "version": __version__},
         "scan": {
             "file": scan.name,
-            "sha256": scan.sha256,
-            "n_points": scan.n_points,
-            "n_used": scan.n_used,
-            "unit": scan.unit,
-            "origin_m": list(scan.origin_m),
+            **by_name(scan, "sha256", "n_points", "n_used", "unit", "origin_m"),
         },
         "examination": [dataclasses.asdict(found) for found in inspection.examination],
         "settings": params_to_dict(inspection.params),
@@ -42,13 +38,7 @@ def inspection_to_dict(inspection: Inspection, check: Check | None = None) -> di
         if axes is None
         else {"rule": axes.rule, "width": axes.width.tolist(), "depth": axes.depth.tolist()},
         "levels": [
-            {
-                "id": level.level_id,
-                "height_m": level.height_m,
-                "n_points": level.n_points,
-                "kind": level.kind,
-                "reason": level.reason,
-            }
+            {"id": level.level_id, **by_name(level, "height_m", "n_points", "kind", "reason")}
             for level in inspection.levels
         ],
         "floor": None
@@ -65,10 +55,7 @@ def inspection_to_dict(inspection: Inspection, check: Check | None = None) -> di
         "steps": [_step_to_dict(step, above, origin) for step, above in with_above(inspection.steps)],
         "overrules": overrule_records(inspection.params),
         "check": None if check is None else check_record(check),
-        "notes": [
-            {"code": note.code, "stage": note.stage, "step": note.step, "message": note.message}
-            for note in inspection.notes
-        ],
+        "notes": [by_name(note, "code", "stage", "step", "message") for note in inspection.notes],
         "timings_s": dict(inspection.timings_s),
     }
 
@@ -131,17 +118,8 @@ def _flight_to_dict(flight: Flight) -> dict[str, Any]:
 
 
 def _statistics_to_dict(statistics: Statistics | None) -> dict[str, Any] | None:
-    if statistics is None:
-        return None
-    return {
-        "n": statistics.n,
-        "mean": statistics.mean,
-        "min": statistics.min,
-        "max": statistics.max,
-        "range": statistics.range,
-        "max_adjacent": statistics.max_adjacent,
-        "at": None if statistics.at is None else list(statistics.at),
-    }
+    names = ("n", "mean", "min", "max", "range", "max_adjacent", "at")
+    return None if statistics is None else by_name(statistics, *names)
 
 
 def overrule_records(params: Params) -> list[dict[str, Any]]:
