@@ -1,7 +1,6 @@
 """What a cure of the command line means for someone who has no command line: settings, and words for them."""
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 from stair_inspector.declarations import Knob
@@ -85,7 +84,7 @@ def _cure_of(flags: str) -> Cure | None:
         Cure("", changes).applied(Params())
     except (ConfigError, ValueError):
         return None
-    return Cure(_said(changes), changes)
+    return Cure(" and ".join(_setting_words(*change) for change in changes), changes)
 
 
 def _change_of(flag: str, value: str) -> tuple[str, object]:
@@ -101,10 +100,6 @@ def _change_of(flag: str, value: str) -> tuple[str, object]:
         raise ConfigError(f"{name}: unknown setting")
     kind = SETTINGS[name].kind
     return name, kind(value) if kind in (int, float) else value
-
-
-def _said(changes: Iterable[tuple[str, object]]) -> str:
-    return " and ".join(_setting_words(name, value) for name, value in changes)
 
 
 def _setting_words(name: str, value: object) -> str:

@@ -20,7 +20,7 @@ class Card:
         self._modal: _Window | None = None
         self._lock = threading.Lock()
 
-    def fill(self, add: Callable[[], None]) -> None:
+    def fill(self, add: Callable[[], object]) -> None:
         """Open the window with what ``add`` adds to the page."""
         with self._lock, self._gui.add_modal(self._title) as self._modal:
             add()

@@ -109,11 +109,7 @@ class HelpCard(Card):
     def switch(self, commands: tuple[Command, ...]) -> None:
         """Open the card, or close it where it is open."""
         if not self.close():
-            self.fill(lambda: _add_help(self._gui, commands))
-
-
-def _add_help(gui: viser.GuiApi, commands: tuple[Command, ...]) -> None:
-    gui.add_html(help_html(commands))
+            self.fill(lambda: self._gui.add_html(help_html(commands)))
 
 
 def _calling(action: Callable[[], None]) -> Callable[[object], None]:

@@ -3,8 +3,8 @@
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
 from stair_inspector.errors import StairError
 from stair_inspector.geometry.arrays import Floats
@@ -16,8 +16,6 @@ from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.compute.heavy_process import Cancelled
 from stair_inspector.viewer.compute.threads import Newest
 from stair_inspector.viewer.compute.workshop import Workshop
-
-T = TypeVar("T")
 
 _PATIENCE_S = 0.2
 """A run that takes no longer changes the page at once; a longer one is announced."""
@@ -83,7 +81,7 @@ class Runs:
         self._workshop = workshop
         self._listener = listener
         self._notices = notices
-        self._memo = Memo(self._heavy, self._enter_stage)
+        self._memo = Memo(partial(workshop.heavy, is_wanted=self._is_wanted), self._enter_stage)
         self._stage: str | None = None
         self._n_points = 0
         self._is_announced = False
@@ -126,9 +124,6 @@ class Runs:
 
     def _is_wanted(self) -> bool:
         return not (self._number <= max(self._n_cancelled, self._n_left) or self._is_closed)
-
-    def _heavy(self, function: Callable[..., T], *inputs: object) -> T:
-        return self._workshop.heavy(function, *inputs, is_wanted=self._is_wanted)
 
     def _run(self, wanted: tuple[int, Request, Path]) -> None:
         """Compute and publish; the body of the thread. Never raises."""

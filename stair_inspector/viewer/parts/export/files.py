@@ -115,7 +115,9 @@ class Downloads:
     def _picture(self, shown: Shown, tell: Tell) -> bytes:
         known: View | Literal["Current"] = one_of(self.view.value, (CURRENT_VIEW, *VIEWS), "view")
         sitting = self._sit(shown)
-        name, pose, fov_rad = ("current view", *self._camera()) if known == "Current" else self._view(shown, known)
+        with self._desk.lock:
+            current = ("current view", *self._look.camera())
+            name, pose, fov_rad = current if known == "Current" else self._view(shown, known)
         tell("making the picture …", 10.0)
         with self._studio() as render:
             return self._finish(sitting, name, render(pose, fov_rad), pose, fov_rad)
@@ -149,10 +151,6 @@ class Downloads:
                 raise ConfigError(
                     "picture: what is shown changed while the picture was made; wait until it is at rest and try again"
                 )
-
-    def _camera(self) -> tuple[Pose, float]:
-        with self._desk.lock:
-            return self._look.camera()
 
     def _view(self, shown: Shown, view: View) -> tuple[str, Pose, float]:
         with self._desk.lock:
