@@ -93,9 +93,9 @@ def test_a_run_that_takes_long_is_announced_by_stage_and_can_be_cancelled(made):
     runs, workshop, told = made
     runs.submit(Request("a", HEAVY), "path")
     assert workshop.has_begun.wait(LONG_S)
-    await_true(lambda: told.progress)
-    assert told.progress[0].words.startswith("estimating normals of ")
-    assert 0.0 < told.progress[0].percent < 100.0
+    # A slow machine announces a stage before this one too.
+    await_true(lambda: told.progress and told.progress[-1].words.startswith("estimating normals of "))
+    assert 0.0 < told.progress[-1].percent < 100.0
     runs.cancel()
     await_true(lambda: told.failed)
     assert told.failed == [CANCELLED]
