@@ -209,7 +209,7 @@ def test_levels_of_a_stair_are_its_treads():
     ("crumb", "n_surfaces"),
     [
         pytest.param(((0.0, 0.28), (1.1, 1.3), 0.17), 1, id="near and level"),
-        pytest.param(((0.0, 0.28), (1.36, 1.56), 0.17), 2, id="too far"),
+        pytest.param(((0.0, 0.28), (1.16, 1.36), 0.17), 2, id="too far beyond its end"),
         pytest.param(((0.0, 0.28), (1.1, 1.3), 0.182), 2, id="12 mm higher"),
         pytest.param(((0.0, 0.28), (1.1, 1.6), 0.17), 2, id="too large"),
     ],
@@ -217,6 +217,13 @@ def test_levels_of_a_stair_are_its_treads():
 def test_a_crumb_goes_with_the_surface_it_was_cut_from(crumb, n_surfaces):
     surfaces = surfaces_of(block(12, (0.0, 0.28), (0.0, 1.0), 0.17), block(13, *crumb))
     assert len(surfaces) == n_surfaces
+
+
+def test_what_is_seen_in_the_middle_of_a_hole_goes_with_what_is_round_it():
+    landing = block(14, (0.0, 1.2), (0.0, 1.2), 1.0)
+    off = np.abs(landing[:2] - 0.6).max(axis=0)
+    (surface,) = surfaces_of(landing[:, (off > 0.35) | (off < 0.1)])
+    assert len(surface.rows) > 0.99 * np.count_nonzero((off > 0.35) | (off < 0.1))
 
 
 def test_a_landing_seen_between_the_legs_of_a_tripod_is_one_surface():
