@@ -45,6 +45,7 @@ class ScanPart(PagePart):
         widgets.button("Look for new scans", self.look_for_scans, icon=viser.Icon.REFRESH, is_quiet=True)
         controls.add_choice("method")
         controls.add_choice("unit")
+        controls.add_choice("stations")
         controls.add_up()
         self.upright = UprightTool(context)
         self.region = RegionTool(context)
