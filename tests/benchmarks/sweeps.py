@@ -1,8 +1,9 @@
 """What sliders do to what is measured: ``python -m tests.benchmarks.sweeps [SCAN ...]``, the samples without any.
 
 Each of theta_th, eps_z, k and m is moved over its useful range, the others at their defaults, on the whole scan and
-within a region around its stair. For each run is printed whether the steps are those of the defaults, how many of the
-values they have in common lie within the run's own u of the defaults', and how many values no staircase has.
+within a region around its stair. For each run is printed whether the steps are those of the defaults, how many of its
+values lie within its own u of the plateau's value, which is the median over the runs, and how many values no staircase
+has.
 """
 
 import argparse
@@ -18,7 +19,7 @@ from stair_inspector.errors import StairError
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
 from stair_inspector.memo import Memo
-from stair_inspector.model import Inspection, Scan
+from stair_inspector.model import Inspection, Measured, Scan
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.quantities import SURVEY_VALUES
@@ -36,52 +37,82 @@ _LENGTHS = ("rise_m", "going_m", "tread_depth_m", "width_m")
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One run of a sweep: how its steps, by place, and its values compare with those of the defaults."""
+    """One run of a sweep: how its steps, by place, and its values compare with those of the plateau.
+
+    ``n_within_u`` values lie within the run's own u of the plateau's value, ``n_within_default`` of the defaults'.
+    """
 
     setting: str
     value: float
     n_lost: int
     n_more: int
     n_within_u: int
+    n_within_default: int
     n_compared: int
     n_impossible: int
     worst: str
 
 
+Values = dict[tuple[int, str], Measured]
+"""A run's values by the step of the defaults' run that lies at the same place, and by quantity."""
+
+
 def sweep(scan: Scan, params: Params, region: str = "") -> Iterator[Run]:
-    """Yield the runs of all sweeps of a scan, within a region or on the whole of it."""
+    """Yield the runs of all sweeps of a scan, within a region or on the whole of it.
+
+    The plateau's value is the median over all runs and that of the defaults: no single run is the truth.
+    """
     memo = Memo()
     plain = inspect(scan, params, memo)
     params = params.replaced("overrules.region", region)
-    for name, values in SWEPT.items():
-        for value in values:
-            yield compare(plain, inspect(scan, params.replaced(name, value), memo), name, value)
+    runs = [
+        (name, value, inspect(scan, params.replaced(name, value), memo))
+        for name, values in SWEPT.items()
+        for value in values
+    ]
+    defaults, _ = values_at(plain, plain)
+    every = [values_at(plain, found) for _, _, found in runs]
+    plateau = {
+        key: float(np.median([own.value, *(values[key].value for values, _ in every if key in values)]))
+        for key, own in defaults.items()
+    }
+    for (name, value, found), (values, n_more) in zip(runs, every, strict=True):
+        shared = [key for key in values if key in plateau]
+        off = {key: abs(values[key].value - plateau[key]) for key in shared}
+        moved = {key: abs(values[key].value - defaults[key].value) for key in shared}
+        beyond = [key for key in shared if off[key] > values[key].u]
+        worst = max(beyond, key=lambda key: off[key] / max(values[key].u, 1e-12), default=None)
+        yield Run(
+            name,
+            value,
+            len(plain.steps) - len({step_id for step_id, _ in values}),
+            n_more,
+            len(shared) - len(beyond),
+            sum(moved[key] <= values[key].u for key in shared),
+            len(shared),
+            n_impossible(found),
+            "" if worst is None else _said(worst, plateau[worst], values[worst]),
+        )
 
 
-def compare(plain: Inspection, found: Inspection, name: str, value: float) -> Run:
-    """Hold a run against that of the defaults."""
+def values_at(plain: Inspection, found: Inspection) -> tuple[Values, int]:
+    """Return the values of a run at the places of the defaults' steps, and how many steps lie elsewhere."""
     known = np.array([step.plane.centroid for step in plain.steps]).reshape(-1, 3)
-    met: set[int] = set()
-    n_within = n_all = n_more = 0
-    worst, ratio = "", 1.0
+    values: Values = {}
+    n_more = 0
     for step in found.steps:
         gaps = np.linalg.norm(known - step.plane.centroid, axis=1)
         if not len(gaps) or gaps.min() > _SAME_STEP_M:
             n_more += 1
             continue
-        near = plain.steps[int(gaps.argmin())]
-        met.add(near.step_id)
-        for quantity in SURVEY_VALUES:
-            a, b = getattr(near, quantity), getattr(step, quantity)
-            if a is None or b is None:
-                continue
-            n_all += 1
-            moved = abs(a.value - b.value)
-            n_within += moved <= b.u
-            if moved > ratio * b.u:
-                ratio = moved / b.u if b.u else float("inf")
-                worst = f"{quantity} of step {near.step_id}: {a.value:.4f} ± {a.u:.4f} -> {b.value:.4f} ± {b.u:.4f}"
-    return Run(name, value, len(known) - len(met), n_more, n_within, n_all, n_impossible(found), worst)
+        number = plain.steps[int(gaps.argmin())].step_id
+        measured = {name: getattr(step, name) for name in SURVEY_VALUES}
+        values |= {(number, name): each for name, each in measured.items() if each is not None}
+    return values, n_more
+
+
+def _said(key: tuple[int, str], plateau: float, found: Measured) -> str:
+    return f"{key[1]} of step {key[0]}: {plateau:.4f} -> {found.value:.4f} ± {found.u:.4f}"
 
 
 def n_impossible(found: Inspection) -> int:
@@ -112,7 +143,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--preset", default="", help="begin with the settings of this preset")
     options = parser.parse_args(arguments)
     samples = Path(__file__).parents[2] / "sample_scans"
-    n_within = n_all = impossible = 0
+    n_within = n_default = n_all = impossible = 0
     for path in options.scans or sorted(samples.glob("*.ply")):
         try:
             scan = read_scan(path)
@@ -128,6 +159,7 @@ def main(arguments: list[str] | None = None) -> int:
             )
             for run in sweep(scan, params, region):
                 n_within, n_all = n_within + run.n_within_u, n_all + run.n_compared
+                n_default += run.n_within_default
                 impossible += run.n_impossible
                 share = f"{run.n_within_u}/{run.n_compared}"
                 print(
@@ -136,7 +168,8 @@ def main(arguments: list[str] | None = None) -> int:
                     flush=True,
                 )
     print(
-        f"within u: {n_within} of {n_all} ({100.0 * n_within / max(n_all, 1):.1f} %); impossible values: {impossible}"
+        f"within u of the plateau: {n_within} of {n_all} ({100.0 * n_within / max(n_all, 1):.1f} %), of the defaults' "
+        f"run: {n_default} ({100.0 * n_default / max(n_all, 1):.1f} %); impossible values: {impossible}"
     )
     return int(impossible > 0)
 
