@@ -31,10 +31,10 @@ NOISY = Stair(noise=NOISE, seed=21)
 FROM_HORIZONTAL = ["horizontal", "reach", "levels", "surfaces", "axes", "extents", "edges", "nearest", "paper"]
 SURVEY = ["patches", "bars", "overrules", "flights", "nosings", "survey"]
 SPREAD = ["dither", *SURVEY]
-BY_PAPER = ["examination", "normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
+BY_PAPER = ["examination", "stations", "normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
 # The order by height comes after the comparison of floor and treads, which is made only where up is not given. Of a
 # dense scan nothing but its density is asked.
-ALL_STAGES = ["examination", "normals", "up", "plumb", "heights", "sparse", *BY_PAPER[4:], *SPREAD]
+ALL_STAGES = ["examination", "stations", "normals", "up", "plumb", "heights", "sparse", *BY_PAPER[5:], *SPREAD]
 
 
 def result_of(inspection):
@@ -536,18 +536,18 @@ def test_memo_gives_what_a_plain_run_gives_through_a_drag_over_all_sliders(n_mov
 @pytest.mark.parametrize(
     ("name", "stages"),
     [
-        ("normals.k", ALL_STAGES[1:]),
+        ("normals.k", ALL_STAGES[2:]),
         # A given up is not compared with the treads.
-        ("up", ["up", *ALL_STAGES[4:]]),
-        ("floor.distance_m", ALL_STAGES[2:]),
-        ("overrules.region", ALL_STAGES[4:]),
+        ("up", ["up", *ALL_STAGES[5:]]),
+        ("floor.distance_m", ALL_STAGES[3:]),
+        ("overrules.region", ALL_STAGES[5:]),
         ("horizontal.theta_deg", [*FROM_HORIZONTAL, "profile", *SPREAD]),
         ("levels.eps_m", [*FROM_HORIZONTAL[1:], *SPREAD]),
         ("levels.min_points", [*FROM_HORIZONTAL[2:], *SPREAD]),
         # A step of the survey carries the paper's values too, so its last stage runs again; its search does not.
         ("axes.rule", ["axes", "extents", "edges", "paper", "survey"]),
         # The survey looks for the floor among several planes.
-        ("method", BY_PAPER[2:]),
+        ("method", ["stations", *BY_PAPER[3:]]),
         ("edges.front_percentile", ["edges", "paper", "survey"]),
         ("edges.back_percentile", ["edges", "paper", "survey"]),
         ("edges.side_percentile", ["edges", "paper", "survey"]),
@@ -562,6 +562,8 @@ def test_memo_gives_what_a_plain_run_gives_through_a_drag_over_all_sliders(n_mov
         ("survey.edge_source", SURVEY[4:]),
         ("uncertainty.edge_m", SURVEY[5:]),
         ("uncertainty.registration_m", SURVEY[5:]),
+        # A sound scan stays the same object.
+        ("stations", ["stations"]),
         ("unit", []),
     ],
 )
@@ -573,7 +575,7 @@ def test_memo_runs_only_what_depends_on_the_setting(name, stages):
 
 
 @pytest.mark.parametrize(
-    ("name", "stages"), [("method", ["axes", "extents", "edges", "paper"]), ("floor.distance_m", [])]
+    ("name", "stages"), [("method", ["stations", "axes", "extents", "edges", "paper"]), ("floor.distance_m", [])]
 )
 def test_with_a_given_up_the_floor_is_of_no_concern(name, stages):
     scan, memo = NOISY.scan(), Memo()
@@ -587,9 +589,10 @@ def test_memo_runs_nothing_for_equal_settings_and_everything_for_another_scan():
     assert inspect(scan, exact_params(), memo).timings_s == {}
     assert list(inspect(NOISY.scan(), exact_params(), memo).timings_s) == [
         "examination",
+        "stations",
         "normals",
         "up",
-        *ALL_STAGES[4:],
+        *ALL_STAGES[5:],
     ]
 
 
