@@ -5,7 +5,10 @@ import sys
 
 import pytest
 
+from stair_inspector.files.ply import ply_bytes
 from tests.package_copy import ROOT, copy_package, environment_of
+from tests.synthetic import Stair
+from tests.viewer.wire_page import OTHER, STAIR
 
 NEW_QUANTITY = """
     Quantity(
@@ -122,10 +125,22 @@ import sys
 from pathlib import Path
 
 import stair_inspector
-from tests.viewer.wire_page import WirePage, await_that, serve, simulate_two_stairs
+from stair_inspector.viewer.compute import workshop
+from tests.viewer.wire_page import WirePage, await_that, serve
+
+
+# Computes in this process: to start another one takes seconds.
+class Here:
+    def run(self, function, *inputs, is_wanted=None):
+        return function(*inputs)
+
+    def close(self):
+        pass
+
 
 assert Path(stair_inspector.__file__).parent.parent == Path(sys.argv[1])
-app = serve(simulate_two_stairs(Path(sys.argv[1])))
+workshop.HeavyProcess = Here
+app = serve(Path(sys.argv[1]))
 page = WirePage(app)
 n_steps = len(page.await_result().inspection.steps)
 (part,) = [part for part in page.session.parts if part.title == "Greeting"]
@@ -139,6 +154,8 @@ app.stop()
 
 def test_a_new_part_of_the_page_is_one_folder_and_one_line(tmp_path):
     package = copy_package(tmp_path)
+    for name in (STAIR, OTHER):
+        (tmp_path / name).write_bytes(ply_bytes(Stair(risers=True, noise=0.002).sample()[0]))
     folder = package / "viewer" / "parts" / "greeting"
     folder.mkdir()
     (folder / "__init__.py").write_text("", encoding="utf-8")

@@ -3,6 +3,7 @@
 import io
 import os
 import shutil
+import time
 
 import numpy as np
 from PIL import Image
@@ -21,8 +22,8 @@ ARGUMENTS = (
     "--disable-sync",
     "--no-first-run",
 )
-SETTLE_MS = 20_000
-"""Longest wait for anything that a page should show; software rendering on a busy machine."""
+SETTLE_MS = 120_000
+"""Longest wait for anything that a page should show; a busy machine may take minutes for what takes one second."""
 THROTTLE_MS = 80
 """viser sends one edit of a panel in 50 ms and forgets the one before: two edits must be farther apart."""
 PRESET = ("survey", "θ_th 15°", "ε_z 20 mm", "m 50 ", "α 95/5 ", "sides 99 ", "k 30 ", "axes auto", ") floor", "unit m")
@@ -195,7 +196,8 @@ class InspectorPage:
     def still_picture(self, unlike=None):
         """The scene once two pictures in a row are the same, and not like an earlier one."""
         before = self.picture()
-        for _ in range(60):
+        ends = time.monotonic() + SETTLE_MS / 1000.0
+        while time.monotonic() < ends:
             self.page.wait_for_timeout(50)
             now = self.picture()
             if np.array_equal(before, now) and (unlike is None or share_changed(unlike, now) > 0.001):
@@ -210,7 +212,8 @@ class InspectorPage:
     def still_camera(self):
         """Where the camera stands once the picture has got its shape."""
         seen = []
-        for _ in range(100):
+        ends = time.monotonic() + SETTLE_MS / 1000.0
+        while time.monotonic() < ends:
             seen.append(self.camera())
             # On a busy machine the page may take half a second for its answer to a new shape.
             if seen[-4:] == [seen[-1]] * 4:
