@@ -12,7 +12,7 @@ from stair_inspector.stages.orient import find_up
 from stair_inspector.stages.plumb import refine_up
 from tests.synthetic import Stair, make_scan, rotation
 
-STAIR = Stair(n_steps=8, spacing=0.02, floor_depth=2.0, noise=0.001, seed=8)
+STAIR = Stair(n_steps=8, spacing=0.03, floor_depth=2.0, noise=0.001, seed=8)
 LEVEL = np.array([0.0, 0.0, 1.0])
 
 
@@ -194,7 +194,7 @@ def test_neither_scan_nor_up_is_changed():
 
 def test_a_wider_limit_of_the_rise_reaches_the_treads_that_give_the_vertical():
     # Of rises that only wider limits let in: with the usual ones there is no flight, and the sloping floor is all.
-    steep = Stair(n_steps=8, rise=0.33, spacing=0.02, floor_depth=2.0, noise=0.001, seed=8)
+    steep = Stair(n_steps=8, rise=0.33, spacing=0.03, floor_depth=2.0, noise=0.001, seed=8)
     points, normals = leaning(steep, {0}, 2.0)
     scan, floor = make_scan(points, normals), Up(rotation("y", 2.0)[:, 2], "floor")
     found = Normals(scan.normals)

@@ -91,7 +91,7 @@ def test_a_camera_that_would_look_straight_down_is_asked_about_where_nothing_sho
 
 # --- files with a z axis --------------------------------------------------------------------------------------------
 
-STAIR = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.025, noise=0.001, floor_depth=1.2)
+STAIR = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.04, noise=0.001, floor_depth=1.2)
 DOWN = rotation("x", 180.0)
 
 
@@ -99,7 +99,7 @@ def in_a_stairwell(stair, height_m=2.4):
     """A stair between two walls that rise from it to above its landing."""
     points, normals = stair.sample()
     rng = np.random.default_rng(8)
-    n = 6000
+    n = 2400
     x, z = rng.uniform(-1.2, 1.7, n), rng.uniform(0.0, 1.0, n)
     line = np.maximum(0.0, np.ceil(x / stair.going)) * stair.rise
     walls = [
@@ -124,7 +124,7 @@ def test_a_stairwell_whose_z_points_down_is_turned_round():
     assert "up_not_z" in [note.code for note in up.notes]
 
 
-def on_an_arc(n_risers=9, rise=0.172, going=0.288, radius=2.0, width=1.1, spacing=0.02):
+def on_an_arc(n_risers=9, rise=0.172, going=0.288, radius=2.0, width=1.1, spacing=0.035):
     """Points and normals of a stair of concrete that turns about one centre, the origin; its sides go down to floor."""
     rng = np.random.default_rng(4)
     inner, outer, turn = radius - width / 2.0, radius + width / 2.0, going / radius
@@ -163,7 +163,7 @@ def test_a_levelled_flight_that_curves_stays_z_up_and_nothing_is_asked(yaw_deg):
 
 def test_treads_that_reach_past_their_risers_say_which_side_is_up():
     # A stair that stands free, up along the file's -y: floor and landing of one size, no walls.
-    stair = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.02, noise=0.001, floor_depth=0.28)
+    stair = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.035, noise=0.001, floor_depth=0.28)
     points, normals = stair.sample()
     riser = np.abs(normals[:, 0]) > 0.9
     points[riser, 0] += 0.025
@@ -174,7 +174,7 @@ def test_treads_that_reach_past_their_risers_say_which_side_is_up():
 
 
 def test_a_steep_stair_stays_z_up():
-    stair = Stair(n_steps=6, rise=0.33, going=0.28, risers=True, spacing=0.025, noise=0.001, floor_depth=1.2)
+    stair = Stair(n_steps=6, rise=0.33, going=0.28, risers=True, spacing=0.04, noise=0.001, floor_depth=1.2)
     for limit in (0.3, 0.5):
         assert up_of(stair.scan(), limit).vector[2] > 0.999
 
@@ -188,7 +188,7 @@ def with_nosings(stair, reach_m=0.025):
 
 def test_nosings_tell_treads_from_risers_whichever_way_the_rhythm_was_found():
     # Steeper than 45 degrees, so that the rhythm is found on its side.
-    stair = Stair(n_steps=7, rise=0.33, going=0.28, risers=True, spacing=0.02, noise=0.001, floor_depth=0.28)
+    stair = Stair(n_steps=7, rise=0.33, going=0.28, risers=True, spacing=0.035, noise=0.001, floor_depth=0.28)
     for limit in (0.3, 0.5):
         up = up_of(make_scan(*with_nosings(stair)), limit)
         assert up.vector[2] > 0.999
@@ -203,8 +203,8 @@ def lead_of_upright(points, normals):
 
 
 def test_the_lower_flight_does_not_speak_for_the_side_below_the_upper_one():
-    upper = Stair(n_steps=7, rise=0.175, going=0.28, risers=True, spacing=0.02, noise=0.001, floor_depth=1.2)
-    lower = Stair(n_steps=3, rise=0.175, going=0.28, risers=True, spacing=0.02, noise=0.001, floor_depth=3.0, seed=2)
+    upper = Stair(n_steps=7, rise=0.175, going=0.28, risers=True, spacing=0.035, noise=0.001, floor_depth=1.2)
+    lower = Stair(n_steps=3, rise=0.175, going=0.28, risers=True, spacing=0.035, noise=0.001, floor_depth=3.0, seed=2)
     points, normals = with_nosings(upper)
     below, normals_below = lower.sample()
     below = below - [1.2 + 2 * 0.28, 0.0, 3 * 0.175]
@@ -213,10 +213,14 @@ def test_the_lower_flight_does_not_speak_for_the_side_below_the_upper_one():
 
 
 def test_treads_without_risers_over_which_the_floor_would_lie_are_asked_about():
-    stair = Stair(n_steps=7, rise=0.175, going=0.28, spacing=0.02, noise=0.001, floor_depth=2.0)
+    stair = Stair(n_steps=7, rise=0.175, going=0.28, spacing=0.035, noise=0.001, floor_depth=2.0)
     points, _ = stair.sample()
     # The floor is seen through the open risers too.
-    under = Stair(n_steps=0, spacing=0.02, noise=0.001, floor_depth=7 * 0.28, seed=4).sample()[0] + [7 * 0.28, 0.0, 0.0]
+    under = Stair(n_steps=0, spacing=0.035, noise=0.001, floor_depth=7 * 0.28, seed=4).sample()[0] + [
+        7 * 0.28,
+        0.0,
+        0.0,
+    ]
     seen = np.concatenate([points, under])
 
     def asked(points):
@@ -233,7 +237,7 @@ def test_treads_without_risers_over_which_the_floor_would_lie_are_asked_about():
 
 
 def test_a_single_riser_is_z_up():
-    stair = Stair(n_steps=1, rise=0.16, going=1.5, risers=True, spacing=0.02, noise=0.002, floor_depth=1.5)
+    stair = Stair(n_steps=1, rise=0.16, going=1.5, risers=True, spacing=0.035, noise=0.002, floor_depth=1.5)
     assert abs(up_of(stair.scan()).vector[2]) > 0.999
 
 
@@ -286,7 +290,7 @@ def test_thinning_keeps_one_point_of_each_cube():
 
 def test_a_rhythm_of_which_one_face_is_the_whole_second_family_is_none_but_in_a_cameras_view(monkeypatch):
     # So are the sides of bars to the treads that they form.
-    scan = Stair(n_steps=6, spacing=0.02, risers=True, floor_depth=1.0).scan()
+    scan = Stair(n_steps=6, spacing=0.035, risers=True, floor_depth=1.0).scan()
     thinned = thin(scan.points, scan.normals)
     (whole,) = find_lattices(thinned.points, thinned.normals, (0.06, 0.5))
     assert read_rhythm(thinned, 0.3, NOWHERE, is_camera=False)

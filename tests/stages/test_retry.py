@@ -12,7 +12,7 @@ from stair_inspector.stages.causes import IF_STEPS
 from stair_inspector.stages.retry import Tried, say_tried
 from tests.synthetic import Stair, make_scan
 
-STAIR = Stair(n_steps=6, spacing=0.01, noise=0.004, risers=True)
+STAIR = Stair(n_steps=6, spacing=0.014, noise=0.004, risers=True)
 STRICT = Params(up="z", unit="m", horizontal=HorizontalParams(theta_deg=2.0), levels=LevelsParams(min_points=4000))
 
 

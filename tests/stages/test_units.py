@@ -15,7 +15,7 @@ from stair_inspector.stages.units import decide_unit
 from stair_inspector.units import METRES_PER_UNIT
 from tests.synthetic import Stair, make_scan, rotation
 
-STAIR = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.025, noise=0.001, floor_depth=1.2)
+STAIR = Stair(n_steps=6, rise=0.175, going=0.28, risers=True, spacing=0.035, noise=0.001, floor_depth=1.2)
 SMALL = dataclasses.replace(STAIR, rise=0.1, going=0.2, width=0.5, spacing=0.012)
 """In centimetres a stair for children, in inches one for giants."""
 GUESSED = Note("unit_guessed", "read", "unit guessed: centimetres")
