@@ -37,6 +37,7 @@ def scan_with_surroundings():
     return dataclasses.replace(scan, points=points, origin_m=np.zeros(3), normals=normals, n_points=len(points))
 
 
+@functools.cache
 def measured(region="", **settings):
     params = exact_params(up="z", **settings)
     return inspect(scan_with_surroundings(), params.replaced("overrules.region", region))
