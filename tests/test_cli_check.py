@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from stair_inspector import pipeline
 from stair_inspector.codes import check
 from stair_inspector.content.check_records import check_record
 from stair_inspector.files import scans
@@ -18,11 +19,28 @@ from stair_inspector.pipeline import inspect
 from stair_inspector.writers.text import check_text
 from tests.synthetic import Stair
 from tests.test_cli import UP_Z, refusal, run, stair_file  # noqa: F401 - fixtures
+from tests.test_samples import load_sample
 from tests.writers.samples import scanned
 
 STRAIGHT, DEFECTIVE = (sample_scans() / f"{name}.ply" for name in ("straight", "defective_step"))
 QUESTION = Observation("unit_unsure", "question", "inches or centimetres", None, "--unit in")
 DOUBT = Observation("sparse", "doubt", "a tread has 40 points", None, "--levels.eps-m 0.03")
+
+
+@pytest.fixture
+def kept_samples(monkeypatch):
+    """Let a command go on with the samples as other tests have read them, and as far as these have measured them."""
+    kept = {path: load_sample(path.stem) for path in (STRAIGHT, DEFECTIVE)}
+
+    def read(path, unit):
+        assert unit == "auto"
+        return kept[path][0]
+
+    def measure(scan, params, memo):
+        return inspect(scan, params, load_sample(scan.name.removesuffix(".ply"))[1])
+
+    monkeypatch.setattr(scans, "read_scan", read)
+    monkeypatch.setattr(pipeline, "inspect", measure)
 
 
 @pytest.fixture
@@ -86,6 +104,7 @@ def test_rules_refuses_what_it_does_not_know(run):  # noqa: F811
 # --- check ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("kept_samples")
 def test_a_stair_with_nothing_outside_is_exit_0(run):  # noqa: F811
     code, out, err = run("check", STRAIGHT, "--rules", "us-irc-2024", "--preset", "tls")
     assert (code, err) == (0, "")
@@ -93,6 +112,7 @@ def test_a_stair_with_nothing_outside_is_exit_0(run):  # noqa: F811
     assert "Nothing that was measured is outside a limit of International Residential Code, 2024." in out
 
 
+@pytest.mark.usefixtures("kept_samples")
 def test_a_stair_with_a_defect_is_exit_1_and_says_where(run):  # noqa: F811
     command = ("check", DEFECTIVE, "--preset", "tls", "--rules", "us-irc-2024", "--overlay", "us-nfpa-101-uniformity")
     code, out, err = run(*command)

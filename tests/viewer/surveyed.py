@@ -1,6 +1,7 @@
 """An inspection with every value of the survey, made by hand from a measured one: nothing here is computed."""
 
 import dataclasses
+import functools
 
 import numpy as np
 
@@ -58,7 +59,13 @@ def survey(inspection, *, turn=None):
 
 
 def surveyed(turn=None):
-    """The scan of the stair, perhaps turned, its survey and what of it is drawn."""
+    """The scan of the stair, perhaps turned, its survey and what of it is drawn; each is made once."""
+    return _surveyed(None if turn is None else tuple(map(tuple, np.asarray(turn).tolist())))
+
+
+@functools.cache
+def _surveyed(rows):
+    turn = None if rows is None else np.array(rows)
     stair = STAIR if turn is None else dataclasses.replace(STAIR, motion=motion(turn))
     points, normals = stair.sample()
     scan = make_scan(points, normals, origin_m=(100.0, 200.0, 300.0))

@@ -2,6 +2,7 @@
 
 import csv
 import dataclasses
+import functools
 import io
 import itertools
 import json
@@ -74,11 +75,13 @@ CASES = {
 }
 
 
+@functools.cache
 def case(name, method="survey"):
     scan = CASES[name]()
     return scan, inspect(scan, exact_params(method=method))
 
 
+@functools.cache
 def surveyed(origin_m=(0.0, 0.0, 0.0)) -> tuple[object, Inspection]:
     """A scan and its inspection with every value of the survey, set by hand from the stair's exact geometry.
 
