@@ -1,0 +1,155 @@
+"""The solids of a model: what of it lies inside one of them, where nobody could see it, and which way is out.
+
+Models are often built of solids that overlap: a step that goes on under the next one. Takes triangles and points on
+them; the way a triangle is wound is of no matter.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stair_inspector.geometry.arrays import Bools, Floats, Ints
+from stair_inspector.geometry.open3d import load_open3d
+
+_MOST_SOLIDS = 300
+_EXACTNESS = 1e-5
+"""Of a solid's size: rays are cast in single precision."""
+_WHOLLY = 0.999
+_SIDE = np.array([0.31, 0.53, 0.79])
+"""No surface of a building lies along this."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """A part of a model that is closed all around: its box (3,), and what casts rays at it."""
+
+    number: int
+    low: Floats
+    high: Floats
+    rays: Any
+
+    @property
+    def size(self) -> float:
+        """Its largest extent."""
+        return float((self.high - self.low).max())
+
+    def depths(self, points: Floats) -> Floats:
+        """Return how deep inside points (m, 3) lie, as shares of its size; below zero outside."""
+        asked = load_open3d().core.Tensor(((points - self.low) / self.size).astype(np.float32))
+        depth: Floats = -self.rays.compute_signed_distance(asked, nthreads=1, nsamples=3).numpy().astype(np.float64)
+        return depth
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelParts:
+    """The parts of a model: ``part_of`` (n,) each triangle; ``solids``, none where there are more than 300."""
+
+    part_of: Ints
+    solids: tuple[Solid, ...]
+
+
+def find_parts(corners: Floats) -> ModelParts:
+    """Find the parts of a model, and which are solids.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3)
+        Of distinct triangles with an area; corners at exactly the same place are one.
+
+    Notes
+    -----
+    Triangles belong together where exactly two meet in an edge: solids that touch in an edge stay two.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    n = len(corners)
+    _, vertex = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    vertex = vertex.reshape(n, 3)
+    low = np.minimum(vertex, vertex[:, [1, 2, 0]])
+    high = np.maximum(vertex, vertex[:, [1, 2, 0]])
+    edges = (low * (int(vertex.max()) + 1) + high).ravel()
+    face = np.repeat(np.arange(n), 3)
+    order = np.argsort(edges, kind="stable")
+    starts = np.flatnonzero(np.diff(edges[order], prepend=-1))
+    pairs = starts[np.diff(starts, append=len(edges)) == 2]
+    first, second = face[order[pairs]], face[order[pairs + 1]]
+    links = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
+    n_parts, found = connected_components(links, directed=False)
+    part_of: Ints = found.astype(np.int64)
+    # Closed: every edge of a part has an even number of its triangles.
+    of_part = part_of[face]
+    order = np.lexsort((edges, of_part))
+    is_new = (np.diff(edges[order], prepend=-1) != 0) | (np.diff(of_part[order], prepend=-1) != 0)
+    starts = np.flatnonzero(is_new)
+    is_odd = np.diff(starts, append=len(edges)) % 2 == 1
+    is_open = np.zeros(n_parts, dtype=np.bool_)
+    is_open[of_part[order[starts[is_odd]]]] = True
+    closed = np.flatnonzero(~is_open).tolist()
+    if len(closed) > _MOST_SOLIDS:
+        return ModelParts(part_of, ())
+    return ModelParts(part_of, tuple(_solid(number, corners[part_of == number]) for number in closed))
+
+
+def _solid(number: int, faces: Floats) -> Solid:
+    low, high = faces.min(axis=(0, 1)), faces.max(axis=(0, 1))
+    o3d = load_open3d()
+    rays = o3d.t.geometry.RaycastingScene(nthreads=1)
+    local = ((faces - low) / float((high - low).max())).astype(np.float32).reshape(-1, 3)
+    rays.add_triangles(o3d.core.Tensor(local), o3d.core.Tensor(np.arange(len(local), dtype=np.uint32).reshape(-1, 3)))
+    return Solid(number, low, high, rays)
+
+
+def find_hidden(parts: ModelParts, points: Floats, on: Ints) -> Bools:
+    """Mark the points (m,) that lie inside a solid of which they are no part.
+
+    Parameters
+    ----------
+    parts : ModelParts
+        Of the model.
+    points : (m, 3)
+        Points on its triangles.
+    on : (m,)
+        The triangle of each.
+
+    Notes
+    -----
+    A part that lies wholly inside another one is not hidden by it: that is a room.
+    """
+    is_hidden = np.zeros(len(points), dtype=np.bool_)
+    own = parts.part_of[on]
+    n_of_part = np.bincount(own, minlength=int(parts.part_of.max()) + 1)
+    for solid in parts.solids:
+        is_near = (points > solid.low).all(axis=1) & (points < solid.high).all(axis=1)
+        rows = np.flatnonzero((own != solid.number) & is_near)
+        if len(rows):
+            rows = rows[solid.depths(points[rows]) > _EXACTNESS]
+            n_inside = np.bincount(own[rows], minlength=len(n_of_part))
+            is_partly = n_inside < _WHOLLY * n_of_part
+            is_hidden[rows[is_partly[own[rows]]]] = True
+    return is_hidden
+
+
+def outward_normals(corners: Floats, parts: ModelParts) -> tuple[Floats, Bools]:
+    """Return the unit normals (n, 3) of triangles (n, 3, 3), and which (n,) are known to point out of a solid.
+
+    Of the others always the same one of two opposite ways is taken. Opposite faces of a board thus have opposite
+    normals, and two pictures of one surface the same.
+    """
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals: Floats = across / np.sqrt((across * across).sum(axis=1))[:, None]
+    normals[~is_front(normals)] *= -1.0
+    is_outward = np.zeros(len(corners), dtype=np.bool_)
+    for solid in parts.solids:
+        rows = np.flatnonzero(parts.part_of == solid.number)
+        is_outward[rows] = True
+        beside = corners[rows].mean(axis=1) + 10.0 * _EXACTNESS * solid.size * normals[rows]
+        normals[rows[solid.depths(beside) > 0.0]] *= -1.0
+    return normals, is_outward
+
+
+def is_front(normals: Floats) -> Bools:
+    """Mark the one half of all directions (n,): of a board's two faces, one is in it."""
+    front: Bools = normals @ _SIDE >= 0.0
+    return front

@@ -1,0 +1,151 @@
+import itertools
+
+import numpy as np
+import pytest
+from sklearn.neighbors import NearestNeighbors
+
+from stair_inspector.geometry.polygons import triangulate
+from stair_inspector.geometry.solids import find_hidden, find_parts, outward_normals
+from stair_inspector.geometry.triangles import (
+    areas_of,
+    find_distinct,
+    in_fixed_order,
+    points_per_triangle,
+    sample_triangles,
+)
+from tests.files.models import box, stair_of_solids
+
+PLATE = np.array([[[0, 0, 0], [2, 0, 0], [2, 1, 0]], [[0, 0, 0], [2, 1, 0], [0, 1, 0]]], dtype=np.float64)
+
+
+def sampled(corners, spacing=0.02, most=10**6):
+    ordered = np.take_along_axis(corners, in_fixed_order(corners)[:, :, None], axis=1)
+    return sample_triangles(ordered, points_per_triangle(areas_of(ordered), spacing, most))
+
+
+def test_every_place_of_a_face_has_as_many_points():
+    points, _ = sampled(PLATE)
+    assert len(points) == 5000
+    counts = np.histogram2d(points[:, 0], points[:, 1], [20, 10], [[0, 2], [0, 1]])[0]
+    # 25 a cell: points that lie anywhere scatter by 5; here only the 20 shares that its edge cuts fall on either side.
+    assert counts.mean() == 25.0
+    assert counts.std() < 1.3 * np.sqrt(20.0) / 2.0
+    # No hole is wider than a few points.
+    everywhere = np.stack(np.meshgrid(np.linspace(0, 2, 101), np.linspace(0, 1, 51), [0.0]), axis=-1).reshape(-1, 3)
+    distance, _ = NearestNeighbors(n_neighbors=1, algorithm="kd_tree").fit(points).kneighbors(everywhere)
+    assert distance.max() < 3.0 * 0.02
+
+
+def test_a_finer_mesh_of_the_same_surface_is_sampled_as_evenly():
+    corners = PLATE
+    for _ in range(7):
+        middle = 0.5 * (corners + np.roll(corners, -1, axis=1))
+        parts = [np.stack([corners[:, k], middle[:, k], middle[:, k - 1]], axis=1) for k in range(3)]
+        corners = np.stack([*parts, middle], axis=1).reshape(-1, 3, 3)
+    assert len(corners) > 5 * 5000
+    points, _ = sampled(corners)
+    assert len(points) == 5000
+    counts = np.histogram2d(points[:, 0], points[:, 1], [20, 10], [[0, 2], [0, 1]])[0]
+    assert counts.std() < 0.75 * 5.0
+
+
+def test_the_winding_and_the_first_corner_change_no_point():
+    expected, on = sampled(PLATE)
+    for order in itertools.permutations(range(3)):
+        points, on_again = sampled(PLATE[:, order])
+        assert np.array_equal(points, expected)
+        assert np.array_equal(on_again, on)
+    assert on.tolist() == sorted(on.tolist())
+
+
+def test_the_largest_faces_are_thinned_first():
+    ground = np.array([[[-1e3, -1e3, 0], [1e3, -1e3, 0], [0, 1e3, 0]]], dtype=np.float64)
+    areas = areas_of(np.concatenate([PLATE, ground]))
+    counts = points_per_triangle(areas, 0.02, 20_000)
+    # Cut to 100,000, then all alike.
+    assert counts.tolist() == pytest.approx([2500.0 * 20 / 105, 2500.0 * 20 / 105, 100_000.0 * 20 / 105])
+    assert points_per_triangle(areas, 0.02, 300_000).tolist() == pytest.approx([2500.0, 2500.0, 295_000.0])
+    assert points_per_triangle(areas[:2], 0.02, 5000).tolist() == pytest.approx([2500.0, 2500.0])
+
+
+def test_what_comes_twice_is_found_whichever_way_it_is_wound():
+    both = np.concatenate([PLATE, PLATE[:, ::-1], PLATE[:1, [1, 2, 0]]])
+    ordered = np.take_along_axis(both, in_fixed_order(both)[:, :, None], axis=1)
+    assert find_distinct(ordered).tolist() == [True, True, False, False, False]
+
+
+# --- polygons ---
+
+ELL = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [1, 2, 0], [0, 2, 0]], dtype=np.float64)
+
+
+def profile(n_steps):
+    """The side of a flight as one polygon, with 2 n + 2 corners, as a string of a stair is drawn."""
+    zigzag = [(k // 2 * 0.28, 0.0, (k + 1) // 2 * 0.17) for k in range(2 * n_steps + 1)]
+    return np.array([*zigzag, (n_steps * 0.28, 0.0, 0.0)])
+
+
+@pytest.mark.parametrize("shift", range(6))
+@pytest.mark.parametrize("step", [1, -1])
+def test_a_polygon_with_a_corner_inwards_keeps_its_area(shift, step):
+    corners = np.roll(ELL, shift, axis=0)[::step]
+    found = triangulate(corners, np.arange(6), np.array([6]))
+    assert found.n_left_out == 0
+    assert areas_of(corners[found.triangles]).sum() == pytest.approx(3.0)
+    assert len(found.triangles) == 4
+
+
+def test_the_side_of_a_long_flight_is_cut_into_triangles():
+    corners = profile(18)
+    found = triangulate(corners, np.arange(len(corners)), np.array([len(corners)]))
+    assert found.n_left_out == 0
+    assert areas_of(corners[found.triangles]).sum() == pytest.approx(0.28 * 0.17 * 18 * 19 / 2)
+
+
+def test_polygons_of_many_lengths_and_those_without_area():
+    vertices = np.concatenate([ELL, [[5.0, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]]])
+    found = triangulate(vertices, np.array([6, 7, 8, 9, 6, 7, *range(6), 6, 7, 8]), np.array([4, 2, 6, 3]))
+    assert areas_of(vertices[found.triangles]).sum() == pytest.approx(1.0 + 3.0 + 0.5)
+
+
+def test_a_polygon_that_crosses_itself_is_left_out_and_hostile_ones_end_soon():
+    rng = np.random.default_rng(1)
+    star = rng.random((3000, 3)) * [1.0, 1.0, 0.0]
+    found = triangulate(star, np.arange(3000), np.full(30, 100))
+    assert found.n_left_out > 25
+
+
+# --- solids ---
+
+
+def test_what_lies_inside_an_overlapping_solid_is_hidden():
+    model = stair_of_solids(n_steps=3)
+    corners = np.array(model.triangles)
+    parts = find_parts(corners)
+    assert len(parts.solids) == 4
+    points, on = sampled(corners)
+    hidden = find_hidden(parts, points, on)
+    x, y, z = points.T
+    inner = (y > 0.01) & (y < 0.99) & (x < 0.83)
+    first_top = inner & (np.abs(z - 0.175) < 1e-9)
+    assert hidden[first_top & (x > 0.285)].all()
+    assert not hidden[first_top & (x < 0.275)].any()
+    assert not hidden[inner & (np.abs(z - 3 * 0.175) < 1e-9)].any()
+
+
+def test_a_room_hides_nothing_that_stands_in_it():
+    corners = np.concatenate([box((0, 0, 0), (5, 5, 3)).triangles, box((1, 1, 0.2), (2, 2, 1)).triangles])
+    points, on = sampled(corners, 0.05)
+    assert not find_hidden(find_parts(corners), points, on).any()
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0)])
+def test_normals_point_out_of_solids_however_their_faces_are_wound(order):
+    solid = box((0, 0, 0), (1, 2, 0.04))
+    corners = np.array(solid.triangles)[:, order]
+    normals, is_outward = outward_normals(corners, find_parts(corners))
+    assert is_outward.all()
+    assert np.allclose(normals, solid.face_normals)
+    open_normals, is_known = outward_normals(corners[1:], find_parts(corners[1:]))
+    assert not is_known.any()
+    assert np.allclose(np.abs(open_normals), np.abs(solid.face_normals[1:]))
