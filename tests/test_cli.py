@@ -19,7 +19,7 @@ from stair_inspector.errors import ConfigError, MissingLibrary
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.project_files import save_project
 from stair_inspector.files.projects import KeptRun, Measurement, Project
-from stair_inspector.files.scans import read_scan
+from stair_inspector.files.scans import FOLDER_SUFFIXES, read_scan
 from stair_inspector.files.settings import list_presets, params_to_dict
 from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
@@ -723,7 +723,7 @@ def test_a_folder_without_scans(run, tmp_path):
     code, out, err = run("measure", tmp_path, "-o", tmp_path / "out")
     assert (code, out) == (3, "")
     assert err == (
-        f"stair-inspector: {tmp_path}: this folder holds no scans (.ply, .pcd, .xyz, .pts, .csv); name a scan\n"
+        f"stair-inspector: {tmp_path}: this folder holds no scans ({', '.join(FOLDER_SUFFIXES)}); name a scan\n"
     )
 
 

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
-from stair_inspector.geometry.arrays import Colors, Floats
+from stair_inspector.geometry.arrays import Bools, Colors, Floats
 from stair_inspector.model import Note
+from stair_inspector.params import KnownUnit
 
 READ_STAGE = "read"
 RED_GREEN_BLUE = ("red", "green", "blue")
@@ -32,12 +33,28 @@ _SHOWN_CHARACTERS = 60
 class RawCloud:
     """A cloud as the file has it: ``points`` (n, 3) in the file's unit and frame, not finite where the file says so.
 
-    ``colors`` (n, 3) uint8 or None; ``normals`` (n, 3) as written, of any length, or None.
+    ``colors`` (n, 3) uint8 or None; ``normals`` (n, 3) as written, of any length, or None; ``is_outward`` (n,)
+    where they are known to point out of a solid, None of a scan; ``unit`` where the file states one.
     """
 
     points: Floats
     colors: Colors | None = None
     normals: Floats | None = None
+    notes: tuple[Note, ...] = ()
+    is_outward: Bools | None = None
+    unit: KnownUnit | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawMesh:
+    """A mesh as the file has it: ``corners`` (n, 3, 3) of its triangles in the file's unit and frame.
+
+    ``colors`` (n, 3, 3) of each corner, 0 to 255, or None; ``unit`` where the format states one.
+    """
+
+    corners: Floats
+    colors: Floats | None = None
+    unit: KnownUnit | None = None
     notes: tuple[Note, ...] = ()
 
 
@@ -45,14 +62,22 @@ class RawCloud:
 class ScanFormat:
     """A format of scans that is known by how a file begins.
 
-    ``suffix`` in lower case; ``beginning`` are the words for what a file of it begins with. ``fits`` tells it from a
-    file's bytes, ``read`` turns them into a cloud or raises ReadError.
+    ``suffix`` in lower case, and ``also`` what else its files end in; ``beginning`` are the words for what a file of it
+    begins with. ``fits`` tells it from a file's bytes, ``read`` turns them into a cloud or a mesh or raises ReadError.
+    ``is_for_meshes`` where a scan should rather not be exported as it.
     """
 
     suffix: str
     beginning: str
     fits: Callable[[bytes], bool]
-    read: Callable[[bytes], RawCloud]
+    read: Callable[[bytes], RawCloud | RawMesh]
+    also: tuple[str, ...] = ()
+    is_for_meshes: bool = False
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """All that its files end in."""
+        return (self.suffix, *self.also)
 
 
 def excerpt(text: str | bytes, limit: int = _SHOWN_CHARACTERS) -> str:
@@ -233,6 +258,12 @@ def as_declared(column: Floats, dtype: np.dtype[Any]) -> NDArray[Any]:
     fits = (column >= float(limits.min)) & (column <= float(limits.max)) & (column == np.floor(column))
     # The largest 64-bit integers are not doubles; a colour is never that large.
     return column.astype(dtype) if dtype.itemsize < 8 and fits.all() else column
+
+
+def as_whole(column: Floats) -> NDArray[np.float64] | NDArray[np.int64]:
+    """Return a column of whole numbers as integers, so that colours of 0 and 1 are not taken for shares of one."""
+    is_whole = bool((np.abs(column) < 2.0**31).all()) and bool((column == np.floor(column)).all())
+    return column.astype(np.int64) if is_whole else column
 
 
 def cloud_from_columns(columns: Mapping[str, NDArray[Any]], notes: Sequence[Note] = ()) -> RawCloud:

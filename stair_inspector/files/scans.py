@@ -15,16 +15,21 @@ import numpy as np
 from stair_inspector.declarations import check_value
 from stair_inspector.errors import ReadError
 from stair_inspector.files.cleaning import check_range, count_repeats, first_occurrences, to_local_metres, unit_normals
-from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, ScanFormat, excerpt
+from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh, ScanFormat, excerpt
+from stair_inspector.files.raw_mesh import cloud_of_mesh
 from stair_inspector.files.text_scan import is_text, read_text
 from stair_inspector.geometry.arrays import Colors, Floats, Ints
 from stair_inspector.model import Note, Scan
 from stair_inspector.params import ScanUnit
-from stair_inspector.stages.units import decide_unit
+from stair_inspector.stages.units import DecidedUnit, decide_unit
 
 _READERS = (
     "ply_scan",
     "pcd_scan",
+    "gltf_scan",
+    "stl_scan",
+    "off_scan",
+    "obj_scan",
 )
 """Files of this room that each hold a ``FORMAT``: a new format is one such file and one line here.
 
@@ -33,7 +38,8 @@ They are asked in this order whether a file begins as theirs; what none of them 
 FORMATS: tuple[ScanFormat, ...] = tuple(
     importlib.import_module(f"stair_inspector.files.{reader}").FORMAT for reader in _READERS
 )
-FOLDER_SUFFIXES = (*(each.suffix for each in FORMATS), ".xyz", ".pts", ".csv")
+_TEXT_SUFFIXES = (".xyz", ".pts", ".csv")
+FOLDER_SUFFIXES = (*(suffix for each in FORMATS for suffix in each.suffixes), *_TEXT_SUFFIXES)
 """Suffixes taken from a folder: a text file in a folder is more often a remark than a scan."""
 SUFFIXES = (*FOLDER_SUFFIXES, ".txt", ".asc")
 """Suffixes of scans, lower case; what a file holds decides how it is read."""
@@ -45,15 +51,13 @@ _OTHER_FORMATS = {
     b"ASTM-E57": "E57",
     b"PK\x03\x04": "a ZIP archive",
     b"\x1f\x8b": "a gzip archive",
-    b"solid ": "STL",
-    b"glTF": "glTF",
     b"%PDF": "PDF",
     b"\x89PNG": "an image",
     b"\xff\xd8\xff": "an image",
 }
+_FOR_SCANS = (*(suffix for each in FORMATS if not each.is_for_meshes for suffix in each.suffixes), *_TEXT_SUFFIXES)
 _HINT = (
-    f"export the scan as {', '.join(suffix[1:].upper() for suffix in FOLDER_SUFFIXES[:-1])} "
-    f"or {FOLDER_SUFFIXES[-1][1:].upper()}"
+    f"export the scan as {', '.join(suffix[1:].upper() for suffix in _FOR_SCANS[:-1])} or {_FOR_SCANS[-1][1:].upper()}"
 )
 
 
@@ -67,8 +71,8 @@ def find_scans(paths: Sequence[Path]) -> list[Path]:
     Parameters
     ----------
     paths : sequence of Path
-        Files and folders; a folder gives its own files ending in .ply, .pcd, .xyz, .pts or .csv in any case, sorted
-        by name; left out are hidden files, subfolders, and the results that ``measure`` may have written there.
+        Files and folders; a folder gives its own files ending in one of FOLDER_SUFFIXES, in any case, sorted by name;
+        left out are hidden files, subfolders, and the results that ``measure`` may have written there.
 
     Raises
     ------
@@ -115,9 +119,9 @@ def read_scan(path: Path, unit: ScanUnit = "auto") -> Scan:
     Parameters
     ----------
     path : Path
-        PLY, PCD or text; the content decides, not the suffix. The file is only read.
+        A cloud or a mesh of any of FORMATS, or text; the content decides, not the suffix. The file is only read.
     unit : str
-        Unit of the file's coordinates; ``auto`` decides by the stair that comes out, see
+        Unit of the file's coordinates; ``auto`` takes that of the format, or decides by the stair that comes out, see
         :func:`stair_inspector.stages.units.decide_unit`.
 
     Returns
@@ -128,7 +132,8 @@ def read_scan(path: Path, unit: ScanUnit = "auto") -> Scan:
         unit, to the rounding of float64. ``origin_m`` is zero where all coordinates are within 1000 m of zero, else
         whole metres near the middle of the cloud. Colours 0 to 255 and unit normals where the file has them. Notes
         (stage ``read``): ``unit_guessed``, ``non_finite_dropped``, ``no_return_dropped``, ``duplicates_dropped``,
-        ``normals_dropped``, ``colors_dropped``, ``columns_ignored``, ``last_line_unfinished``.
+        ``normals_dropped``, ``colors_dropped``, ``columns_ignored``, ``last_line_unfinished``; of meshes see
+        :func:`stair_inspector.files.raw_mesh.cloud_of_mesh`.
 
     Raises
     ------
@@ -193,7 +198,7 @@ def _read_bytes(path: Path) -> bytes:
     return data
 
 
-def _parse(path: Path, data: bytes) -> RawCloud:
+def _parse(path: Path, data: bytes) -> RawCloud | RawMesh:
     """Read by content; the suffix only decides which sentence explains a failure."""
     for each in FORMATS:
         if each.fits(data):
@@ -202,7 +207,7 @@ def _parse(path: Path, data: bytes) -> RawCloud:
     if other is not None:
         raise ReadError(f"is {other}, which is not read; {_HINT}")
     suffix = path.suffix.lower()
-    stated = next((each for each in FORMATS if each.suffix == suffix), None)
+    stated = next((each for each in FORMATS if suffix in each.suffixes), None)
     if stated is not None:
         try:
             return read_text(data)
@@ -213,7 +218,12 @@ def _parse(path: Path, data: bytes) -> RawCloud:
     return read_text(data)
 
 
-def _to_scan(raw: RawCloud, unit: ScanUnit, name: str, sha256: str) -> Scan:
+def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, name: str, sha256: str) -> Scan:
+    raw = read
+    stated = unit if unit != "auto" else read.unit
+    decided = None if stated is None else DecidedUnit(stated)
+    if isinstance(raw, RawMesh):
+        raw, decided = cloud_of_mesh(raw, decided)
     notes = list(raw.notes)
     n_points = len(raw.points)
     kept = np.flatnonzero(np.isfinite(raw.points).all(axis=1))
@@ -227,13 +237,10 @@ def _to_scan(raw: RawCloud, unit: ScanUnit, name: str, sha256: str) -> Scan:
         kept = kept[~is_no_return]
     finite = raw.points[kept]
     check_range(finite)
-    if unit == "auto":
-        decided = decide_unit(finite)
-        known, observations = decided.unit, decided.observations
+    decided = decided or decide_unit(finite)
+    if decided.note is not None:
         notes.append(decided.note)
-    else:
-        known, observations = unit, ()
-    local, origin_m = to_local_metres(finite, known)
+    local, origin_m = to_local_metres(finite, decided.unit)
     is_first = first_occurrences(local)
     repeats: Ints | None = None
     if not is_first.all():
@@ -253,13 +260,14 @@ def _to_scan(raw: RawCloud, unit: ScanUnit, name: str, sha256: str) -> Scan:
         origin_m=origin_m,
         name=name,
         sha256=sha256,
-        unit=known,
+        unit=decided.unit,
         n_points=n_points,
         colors=colors,
         normals=normals,
         notes=tuple(notes),
-        observations=observations,
+        observations=decided.observations,
         repeats=repeats,
+        is_outward=None if raw.is_outward is None else raw.is_outward[kept],
     )
 
 

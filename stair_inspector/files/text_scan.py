@@ -15,6 +15,7 @@ from stair_inspector.files.raw_cloud import (
     TRUNCATED_HINT,
     NumberLines,
     RawCloud,
+    as_whole,
     cloud_from_columns,
     cut_note,
     excerpt,
@@ -97,7 +98,7 @@ def read_text(data: bytes) -> RawCloud:
     notes = cut_note() if is_cut else ()
     names = _fitting_names(preamble, separator, n_columns)
     if names:
-        columns = {name: _whole(values[:, i]) for i, name in enumerate(names)}
+        columns = {name: as_whole(values[:, i]) for i, name in enumerate(names)}
         return cloud_from_columns(columns, notes)
     return _cloud_without_names(values, notes)
 
@@ -185,12 +186,6 @@ def _fitting_names(preamble: _Preamble, separator: str | None, n_columns: int) -
     if twice:
         raise ReadError(f"its header names the column '{excerpt(twice[0])}' twice; correct the header")
     return names
-
-
-def _whole(column: Floats) -> NDArray[np.float64] | NDArray[np.int64]:
-    """Return a column of whole numbers as integers, so that colours of 0 and 1 are not taken for shares of one."""
-    is_whole = bool((np.abs(column) < 2.0**31).all()) and bool((column == np.floor(column)).all())
-    return column.astype(np.int64) if is_whole else column
 
 
 def _cloud_without_names(values: Floats, notes: Sequence[Note]) -> RawCloud:

@@ -21,7 +21,9 @@ class Scan:
     or None; ``normals`` (n, 3) unit vectors given by the file, or None; ``n_points`` how many the file held, before
     non-finite points and exact duplicates were dropped. Points of which most lie farther than 10 km from zero are
     refused (DegenerateGeometry): squares of their coordinates leave nothing of a surface. ``observations`` are what
-    reading it already shows; ``repeats`` (n,) how often the file holds each point, None where every point is distinct.
+    reading it already shows; ``repeats`` (n,) how often the file holds each point, None where every point is distinct;
+    ``is_outward`` (n,) where a normal is known to point out of a solid, as on the closed parts of a mesh: with it, any
+    two opposite faces of one thing have opposite normals. None of a scan.
     """
 
     points: Floats
@@ -35,6 +37,7 @@ class Scan:
     notes: tuple[Note, ...] = ()
     observations: tuple[Observation, ...] = ()
     repeats: Ints | None = None
+    is_outward: Bools | None = None
 
     def __post_init__(self) -> None:
         n = len(self.points)
@@ -45,6 +48,8 @@ class Scan:
             object.__setattr__(self, "colors", own(self.colors, (n, 3), "colors", np.uint8))
         if self.normals is not None:
             object.__setattr__(self, "normals", own(self.normals, (n, 3), "normals"))
+        if self.is_outward is not None:
+            object.__setattr__(self, "is_outward", own(self.is_outward, (n,), "is_outward", np.bool_))
         if self.repeats is not None:
             object.__setattr__(self, "repeats", own(self.repeats, (n,), "repeats", np.int64))
 

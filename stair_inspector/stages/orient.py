@@ -184,7 +184,8 @@ def order_by_height(scan: Scan, normals: Normals, up: Up, region: str = "") -> H
     scan, normals, up
         Of one scan.
     region : str
-        Region of interest as ``overrules.region`` gives it, metres in the scan frame; points outside are left out.
+        Region of interest as ``overrules.region`` gives it, metres in the scan frame; points outside are left out, as
+        are those on the undersides of solids.
 
     Returns
     -------
@@ -214,6 +215,10 @@ def order_by_height(scan: Scan, normals: Normals, up: Up, region: str = "") -> H
             raise ConfigError(f"overrules.region: no point of {scan.name} lies in the box {region}; check its corners")
     alignment = np.abs(project(normals.vectors.T, u))
     is_level = alignment >= math.cos(math.radians(LEVEL_TOLERANCE_DEG))
+    if scan.is_outward is not None and scan.normals is not None:
+        # Nobody walks on the underside of a slab, and it is no second floor below the first.
+        is_underside = is_level & scan.is_outward & (project(scan.normals.T, u) < 0.0)
+        order = order[~is_underside[order]]
     return HeightOrder(
         point_ids=freeze(order),
         alignment=freeze(alignment[order]),

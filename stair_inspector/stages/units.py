@@ -44,10 +44,10 @@ _LEAST = -4.5
 
 @dataclass(frozen=True, slots=True)
 class DecidedUnit:
-    """The unit of a file that states none, with the note that says how it came about, and what is asked or said."""
+    """The unit of a file, with the note that says how it came about where it was guessed, and what is asked or said."""
 
     unit: KnownUnit
-    note: Note
+    note: Note | None = None
     observations: tuple[Observation, ...] = ()
 
 

@@ -48,7 +48,6 @@ CSV = b"x,y,z,r,g,b\n1.5,2,3,0,255,7\n2,3,4,1,2,3\n"
 VALID = {
     "a.ply": PLY,
     "ascii.ply": PLY_ASCII,
-    "mesh.ply": PLY_MESH,
     "a.pcd": PCD,
     "ascii.pcd": PCD_ASCII,
     "packed.pcd": PCD_PACKED,

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from stair_inspector.errors import ConfigError, ReadError
+from stair_inspector.files import raw_mesh
 from stair_inspector.files.cleaning import first_occurrences
 from stair_inspector.files.lzf import lzf_decompress
 from stair_inspector.files.ply import ply_bytes
@@ -150,14 +151,25 @@ def face_bytes(form: str, faces: list[tuple[int, ...]]) -> bytes:
 
 @pytest.mark.parametrize("form", ["ascii", *ORDERS])
 @pytest.mark.parametrize("faces", [FACES, FACES[:1] * 5, []])
-def test_ply_ignores_faces_and_notices_missing_ones(tmp_path: Path, form: str, faces: list[tuple[int, ...]]) -> None:
+def test_ply_reads_faces_before_and_after_the_points_and_notices_missing_ones(
+    tmp_path: Path, form: str, faces: list[tuple[int, ...]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(raw_mesh, "MOST_POINTS", 50)
     header = FACE_HEADER.format(n=len(faces))
     props, body = "double x,double y,double z", face_bytes(form, faces)
     after = ply_file(form, props, [tuple(p) for p in POINTS.tolist()], after=header) + body
-    assert np.array_equal(read(tmp_path, "a.ply", after).points, POINTS)
     plain = ply_file(form, props, [tuple(p) for p in POINTS.tolist()], before=header)
     cut = plain.index(b"end_header\n") + len(b"end_header\n")
-    assert np.array_equal(read(tmp_path, "b.ply", plain[:cut] + body + plain[cut:]).points, POINTS)
+    scan = read(tmp_path, "a.ply", after)
+    assert np.array_equal(read(tmp_path, "b.ply", plain[:cut] + body + plain[cut:]).points, scan.points)
+    if not faces:
+        assert np.array_equal(scan.points, POINTS)
+        return
+    assert len(scan.points) == 50
+    # All lie in the triangle of the three points.
+    weights = np.linalg.solve(POINTS.T, scan.points.T)
+    assert weights.min() > -1e-9
+    assert np.allclose(weights.sum(axis=0), 1.0)
     if faces:
         with pytest.raises(ReadError, match="truncated"):
             read(tmp_path, "c.ply", after[: -2 if form != "ascii" else -10])
