@@ -95,7 +95,7 @@ def test_rubbish_as_text(refused):
 
 
 def test_another_format(refused):
-    refused(b"LASF" + bytes(400), name="scan.las", says="is LAS, which is not read")
+    refused(b"ASTM-E57" + bytes(400), name="scan.e57", says="is E57, which is not read")
 
 
 def test_all_nan(refused):

@@ -34,7 +34,8 @@ class RawCloud:
     """A cloud as the file has it: ``points`` (n, 3) in the file's unit and frame, not finite where the file says so.
 
     ``colors`` (n, 3) uint8 or None; ``normals`` (n, 3) as written, of any length, or None; ``is_outward`` (n,)
-    where they are known to point out of a solid, None of a scan; ``unit`` where the file states one.
+    where they are known to point out of a solid, None of a scan; ``unit`` where the file states one; ``step``
+    (3,) on which its coordinates lie, in the file's unit, where the format states one.
     """
 
     points: Floats
@@ -43,6 +44,7 @@ class RawCloud:
     notes: tuple[Note, ...] = ()
     is_outward: Bools | None = None
     unit: KnownUnit | None = None
+    step: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

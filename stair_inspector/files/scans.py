@@ -6,6 +6,7 @@ everything that is wrong with a file becomes one sentence.
 
 import hashlib
 import importlib
+import re
 import stat
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,10 +23,12 @@ from stair_inspector.geometry.arrays import Colors, Floats, Ints
 from stair_inspector.model import Note, Scan
 from stair_inspector.params import ScanUnit
 from stair_inspector.stages.units import DecidedUnit, decide_unit
+from stair_inspector.units import METRES_PER_UNIT
 
 _READERS = (
     "ply_scan",
     "pcd_scan",
+    "las_scan",
     "gltf_scan",
     "stl_scan",
     "off_scan",
@@ -46,8 +49,8 @@ SUFFIXES = (*FOLDER_SUFFIXES, ".txt", ".asc")
 
 _LARGEST_BYTES = 4 * 2**30
 _PATH_CHARACTERS = 300
+_SNIFFED_BYTES = 4096
 _OTHER_FORMATS = {
-    b"LASF": "LAS",
     b"ASTM-E57": "E57",
     b"PK\x03\x04": "a ZIP archive",
     b"\x1f\x8b": "a gzip archive",
@@ -56,6 +59,8 @@ _OTHER_FORMATS = {
     b"\xff\xd8\xff": "an image",
 }
 _FOR_SCANS = (*(suffix for each in FORMATS if not each.is_for_meshes for suffix in each.suffixes), *_TEXT_SUFFIXES)
+_PTX = re.compile(rb"(?:\d+\s+){2}(?:(?:\S+[ \t]+){2}\S+\s*\n){4}(?:(?:\S+[ \t]+){3}\S+\s*\n){4}")
+"""The head of PTX, which has no mark of its own: columns, rows, the scanner's place, and a matrix of four by four."""
 _HINT = (
     f"export the scan as {', '.join(suffix[1:].upper() for suffix in _FOR_SCANS[:-1])} or {_FOR_SCANS[-1][1:].upper()}"
 )
@@ -133,7 +138,7 @@ def read_scan(path: Path, unit: ScanUnit = "auto") -> Scan:
         whole metres near the middle of the cloud. Colours 0 to 255 and unit normals where the file has them. Notes
         (stage ``read``): ``unit_guessed``, ``non_finite_dropped``, ``no_return_dropped``, ``duplicates_dropped``,
         ``normals_dropped``, ``colors_dropped``, ``columns_ignored``, ``last_line_unfinished``; of meshes see
-        :func:`stair_inspector.files.raw_mesh.cloud_of_mesh`.
+        :func:`stair_inspector.files.raw_mesh.cloud_of_mesh`, of LAS :func:`stair_inspector.files.las_scan.read_las`.
 
     Raises
     ------
@@ -204,6 +209,7 @@ def _parse(path: Path, data: bytes) -> RawCloud | RawMesh:
         if each.fits(data):
             return each.read(data)
     other = next((name for magic, name in _OTHER_FORMATS.items() if data.startswith(magic)), None)
+    other = "PTX" if other is None and _PTX.match(data[:_SNIFFED_BYTES]) else other
     if other is not None:
         raise ReadError(f"is {other}, which is not read; {_HINT}")
     suffix = path.suffix.lower()
@@ -267,6 +273,7 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, name: str, sha256: str) -
         notes=tuple(notes),
         observations=decided.observations,
         repeats=repeats,
+        stated_steps_m=None if raw.step is None else raw.step * METRES_PER_UNIT[decided.unit],
         is_outward=None if raw.is_outward is None else raw.is_outward[kept],
     )
 

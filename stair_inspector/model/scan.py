@@ -23,7 +23,8 @@ class Scan:
     refused (DegenerateGeometry): squares of their coordinates leave nothing of a surface. ``observations`` are what
     reading it already shows; ``repeats`` (n,) how often the file holds each point, None where every point is distinct;
     ``is_outward`` (n,) where a normal is known to point out of a solid, as on the closed parts of a mesh: with it, any
-    two opposite faces of one thing have opposite normals. None of a scan.
+    two opposite faces of one thing have opposite normals. None of a scan. ``stated_steps_m`` (3,) on which the
+    coordinates lie by the word of the file, as of LAS its scale; None where it says nothing.
     """
 
     points: Floats
@@ -38,6 +39,7 @@ class Scan:
     observations: tuple[Observation, ...] = ()
     repeats: Ints | None = None
     is_outward: Bools | None = None
+    stated_steps_m: Floats | None = None
 
     def __post_init__(self) -> None:
         n = len(self.points)
@@ -48,6 +50,8 @@ class Scan:
             object.__setattr__(self, "colors", own(self.colors, (n, 3), "colors", np.uint8))
         if self.normals is not None:
             object.__setattr__(self, "normals", own(self.normals, (n, 3), "normals"))
+        if self.stated_steps_m is not None:
+            object.__setattr__(self, "stated_steps_m", own(self.stated_steps_m, (3,), "stated_steps_m"))
         if self.is_outward is not None:
             object.__setattr__(self, "is_outward", own(self.is_outward, (n,), "is_outward", np.bool_))
         if self.repeats is not None:

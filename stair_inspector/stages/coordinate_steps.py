@@ -79,13 +79,18 @@ def find_steps(scan: Scan) -> CoordinateSteps:
     -----
     float32 is recognised by the numbers themselves: every one is a float32. A step is tried by the share of points that
     lie on multiples of it, with any offset, as exactly as the file can hold them; the coarsest of the best is taken.
-    Heights of a noise-free model repeat without being rounded: the places of a real step are many, or follow each
-    other. A step below 0.02 mm, as every float32 has near zero, is none.
+    What the file states counts at least. Heights of a noise-free model repeat without being rounded: the places of a
+    real step are many, or follow each other. A step below 0.02 mm, as every float32 has near zero, is none.
     """
     some = scan.points[:: max(1, len(scan.points) // _MOST_VALUES)]
     per_unit = METRES_PER_UNIT[scan.unit]
     found = [_find_on_axis(values, float(low), per_unit) for values, low in zip(some.T, scan.origin_m, strict=True)]
     found = [step if _is_believed(step, found, k) else _NONE for k, step in enumerate(found)]
+    if scan.stated_steps_m is not None:
+        # A file may hold coarser numbers than its scale, never finer ones.
+        stated = [_Step(step_m, "rounded", 1.0) for step_m in scan.stated_steps_m.tolist()]
+        found = [own if own.step_m >= 0.99 * said.step_m else said for own, said in zip(found, stated, strict=True)]
+        found = [step if step.step_m >= _FINEST_M else _NONE for step in found]
     is_turned = False
     if sum(step.step_m >= _FINEST_LATTICE_M for step in found) < 2:
         lattice_m, share = _find_turned_lattice(scan.points)

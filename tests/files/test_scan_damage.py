@@ -85,7 +85,8 @@ BAD = {
     "text.ply": (b"Dear all,\nthe scan is late.\n", "does not begin with 'ply'"),
     "text.pcd": (b"Dear all,\nthe scan is late.\n", "does not begin with a PCD header"),
     "prose.txt": (b"Dear all,\nthe scan is late.\n", "line 1 ('Dear all,') is neither"),
-    "scan.las": (b"LASF" + bytes(300), "is LAS"),
+    "scan.las": (b"LASF" + bytes(300), "is LAS version 0.0"),
+    "small.ptx": (b"2\n2\n" + b"0 0 0\n" * 4 + b"1 0 0 0\n" * 4 + b"1 2 3 0.5\n" * 4, "is PTX"),
     "scan.e57": (b"ASTM-E57" + bytes(300), "is E57"),
     "scan.zip": (b"PK\x03\x04" + bytes(300), "ZIP"),
     # PLY
