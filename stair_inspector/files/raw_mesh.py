@@ -77,6 +77,8 @@ def mesh_of_polygons(cloud: RawCloud, corners: Ints, lengths: Ints) -> RawCloud 
             "that point inwards; a triangulated mesh settles it"
         )
         notes = (*notes, Note("faces_left_out", READ_STAGE, message))
+    if not len(found.triangles):
+        raise ReadError(f"none of its {len(lengths)} faces can be cut into triangles; export the mesh triangulated")
     colors = None if cloud.colors is None else cloud.colors.astype(np.float64)[found.triangles]
     return RawMesh(cloud.points[found.triangles], colors, None, notes)
 
@@ -96,7 +98,8 @@ def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud,
     RawCloud
         The same points whichever way faces are wound; faces that come twice are sampled once, and what lies
         inside another solid not at all. With the normals of the faces. Notes (stage ``read``):
-        ``faces_sampled``, ``hidden_left_out`` and those of the mesh.
+        ``faces_sampled``, ``hidden_left_out`` or
+        ``hidden_kept``, and those of the mesh.
     DecidedUnit
         As given, or with the note that says how it was decided.
 
@@ -112,7 +115,8 @@ def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud,
     if decided is None:
         few = points_per_triangle(areas, math.sqrt(float(areas.sum()) / POINTS_FOR_UNIT), POINTS_FOR_UNIT)
         points, on = sample_triangles(faces, few)
-        decided = decide_unit(points[~find_hidden(parts, points, on)])
+        hidden = find_hidden(parts, points, on)
+        decided = decide_unit(points if hidden is None else points[~hidden])
     per_unit = METRES_PER_UNIT[decided.unit]
     counts = points_per_triangle(areas, SPACING_M / per_unit, MOST_POINTS)
     sampled, on = sample_triangles(values, counts)
@@ -124,7 +128,10 @@ def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud,
         f"{1000.0 * float(each.min()):.3g} mm apart{thinner}; what its maker smoothed or rounded, no U here holds"
     )
     notes = [*mesh.notes, Note("faces_sampled", READ_STAGE, message)]
-    if is_hidden.any():
+    if is_hidden is None:
+        message = "more of its solids overlap than can be looked into: what lies inside them was sampled too"
+        notes.append(Note("hidden_kept", READ_STAGE, message))
+    elif is_hidden.any():
         message = f"{int(is_hidden.sum()):,} of these points left out: they lie inside solids that overlap"
         notes.append(Note("hidden_left_out", READ_STAGE, message))
         sampled, on = sampled[~is_hidden], on[~is_hidden]

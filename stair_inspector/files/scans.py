@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from stair_inspector.declarations import check_value
-from stair_inspector.errors import ReadError
+from stair_inspector.errors import DegenerateGeometry, ReadError
 from stair_inspector.files.cleaning import check_range, count_repeats, first_occurrences, to_local_metres, unit_normals
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh, ScanFormat, excerpt
 from stair_inspector.files.raw_mesh import cloud_of_mesh
@@ -155,6 +155,9 @@ def read_scan(path: Path, unit: ScanUnit = "auto") -> Scan:
         return _to_scan(_parse(path, data), unit, excerpt(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
     except ReadError as error:
         raise ReadError(f"{_name(path)}: {error}") from error
+    except DegenerateGeometry as error:
+        message = f"{_name(path)}: its points are spread over many kilometres; cut out the staircase, or give the unit"
+        raise ReadError(message) from error
     except MemoryError as error:
         raise ReadError(f"{_name(path)}: does not fit into the memory; thin the scan out and try again") from error
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Floats, Ints
 
-_MOST_TESTS = 20_000
-"""Corners that are tried as ears in one call: half a second. Walls with all their windows need some hundreds."""
+_MOST_WORK, _WORK_OF_TEST = 3_000_000, 100
+"""What is spent in one call on trying corners as ears, each against all others: a second. A wall with all its windows
+needs some thousands."""
 _STRAIGHT = 1e-9
 """A turn of a smaller sine is none."""
 
@@ -39,7 +40,7 @@ def triangulate(vertices: Floats, corners: Ints, lengths: Ints) -> Triangulation
     """
     starts = np.cumsum(lengths) - lengths
     found: list[Ints] = []
-    tests_left = _MOST_TESTS
+    work_left = _MOST_WORK
     n_left_out = 0
     for length in np.unique(lengths[lengths >= 3]).tolist():
         rows = corners[starts[lengths == length][:, None] + np.arange(length)]
@@ -47,8 +48,8 @@ def triangulate(vertices: Floats, corners: Ints, lengths: Ints) -> Triangulation
             places = vertices[rows]
             normals, is_convex = _convex(places)
             for row, place, normal in zip(rows[~is_convex], places[~is_convex], normals[~is_convex], strict=True):
-                ears, n_tests = _cut_ears(_flattened(place, normal), tests_left)
-                tests_left -= n_tests
+                ears, work = _cut_ears(_flattened(place, normal), work_left)
+                work_left -= work
                 n_left_out += ears is None
                 if ears is not None:
                     found.append(row[ears])
@@ -81,16 +82,16 @@ def _flattened(places: Floats, normal: Floats) -> Floats:
     return flat
 
 
-def _cut_ears(plane: Floats, most_tests: int) -> tuple[Ints | None, int]:
-    """Return triangles (k - 2, 3) of a counter-clockwise polygon (k, 2), None where none are found, and the tests."""
+def _cut_ears(plane: Floats, most_work: int) -> tuple[Ints | None, int]:
+    """Return triangles (k - 2, 3) of a counter-clockwise polygon (k, 2), None where none are found, and the work."""
     left = list(range(len(plane)))
     ears = []
-    n_tests, at, n_refused = 0, 0, 0
+    work, at, n_refused = 0, 0, 0
     while len(left) > 3:
-        if n_refused >= len(left) or n_tests >= most_tests:
-            return None, n_tests
-        n_tests += 1
+        if n_refused >= len(left) or work >= most_work:
+            return None, work
         k = len(left)
+        work += k + _WORK_OF_TEST
         before, tip, after = left[at % k - 1], left[at % k], left[(at + 1) % k]
         if _is_ear(plane, before, tip, after, left):
             ears.append((before, tip, after))
@@ -99,7 +100,7 @@ def _cut_ears(plane: Floats, most_tests: int) -> tuple[Ints | None, int]:
         else:
             n_refused += 1
         at = (at + 1) % len(left)
-    return np.array([*ears, left], dtype=np.int64), n_tests
+    return np.array([*ears, left], dtype=np.int64), work
 
 
 def _is_ear(plane: Floats, before: int, tip: int, after: int, left: list[int]) -> bool:

@@ -16,6 +16,8 @@ _MOST_SOLIDS = 300
 _EXACTNESS = 1e-5
 """Of a solid's size: rays are cast in single precision."""
 _WHOLLY = 0.999
+_MOST_ASKED = 1_500_000
+"""Points that are asked for in one call: two seconds. A flight of a dozen overlapping steps needs a third of it."""
 _SIDE = np.array([0.31, 0.53, 0.79])
 """No surface of a building lies along this."""
 
@@ -34,6 +36,15 @@ class Solid:
         """Its largest extent."""
         return float((self.high - self.low).max())
 
+    def holds(self, points: Floats) -> Bools:
+        """Mark the points (m,) that lie inside, deeper than rays can be wrong."""
+        asked = load_open3d().core.Tensor(((points - self.low) / self.size).astype(np.float32))
+        is_inside = self.rays.compute_occupancy(asked, nthreads=1).numpy() > 0.5
+        rows = np.flatnonzero(is_inside)
+        is_inside[rows] = self.depths(points[rows]) > _EXACTNESS
+        held: Bools = is_inside
+        return held
+
     def depths(self, points: Floats) -> Floats:
         """Return how deep inside points (m, 3) lie, as shares of its size; below zero outside."""
         asked = load_open3d().core.Tensor(((points - self.low) / self.size).astype(np.float32))
@@ -43,10 +54,10 @@ class Solid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelParts:
-    """The parts of a model: ``part_of`` (n,) each triangle; ``solids``, none where there are more than 300."""
+    """The parts of a model: ``part_of`` (n,) each triangle; ``solids``, None where there are more than 300."""
 
     part_of: Ints
-    solids: tuple[Solid, ...]
+    solids: tuple[Solid, ...] | None
 
 
 def find_parts(corners: Floats) -> ModelParts:
@@ -88,7 +99,7 @@ def find_parts(corners: Floats) -> ModelParts:
     is_open[of_part[order[starts[is_odd]]]] = True
     closed = np.flatnonzero(~is_open).tolist()
     if len(closed) > _MOST_SOLIDS:
-        return ModelParts(part_of, ())
+        return ModelParts(part_of, None)
     return ModelParts(part_of, tuple(_solid(number, corners[part_of == number]) for number in closed))
 
 
@@ -101,8 +112,8 @@ def _solid(number: int, faces: Floats) -> Solid:
     return Solid(number, low, high, rays)
 
 
-def find_hidden(parts: ModelParts, points: Floats, on: Ints) -> Bools:
-    """Mark the points (m,) that lie inside a solid of which they are no part.
+def find_hidden(parts: ModelParts, points: Floats, on: Ints) -> Bools | None:
+    """Mark the points (m,) that lie inside a solid of which they are no part; None where that is too much work.
 
     Parameters
     ----------
@@ -117,16 +128,28 @@ def find_hidden(parts: ModelParts, points: Floats, on: Ints) -> Bools:
     -----
     A part that lies wholly inside another one is not hidden by it: that is a room.
     """
+    if parts.solids is None:
+        return None
     is_hidden = np.zeros(len(points), dtype=np.bool_)
     own = parts.part_of[on]
-    n_of_part = np.bincount(own, minlength=int(parts.part_of.max()) + 1)
+    n_parts = int(parts.part_of.max()) + 1
+    # Along one axis, the points near a solid are a stretch of the row.
+    order = np.argsort(points[:, 0], kind="stable")
+    along = points[order, 0]
+    n_asked = 0
     for solid in parts.solids:
-        is_near = (points > solid.low).all(axis=1) & (points < solid.high).all(axis=1)
-        rows = np.flatnonzero((own != solid.number) & is_near)
+        first, last = np.searchsorted(along, [solid.low[0], solid.high[0]])
+        rows = order[first:last]
+        rows = rows[(own[rows] != solid.number) & ~is_hidden[rows]]
+        rows = rows[((points[rows] > solid.low) & (points[rows] < solid.high)).all(axis=1)]
+        n_asked += len(rows)
+        if n_asked > _MOST_ASKED:
+            return None
         if len(rows):
-            rows = rows[solid.depths(points[rows]) > _EXACTNESS]
-            n_inside = np.bincount(own[rows], minlength=len(n_of_part))
-            is_partly = n_inside < _WHOLLY * n_of_part
+            rows = rows[solid.holds(points[rows])]
+            n_inside = np.bincount(own[rows], minlength=n_parts)
+            n_left = np.bincount(own[~is_hidden], minlength=n_parts)
+            is_partly = n_inside < _WHOLLY * n_left
             is_hidden[rows[is_partly[own[rows]]]] = True
     return is_hidden
 
@@ -141,7 +164,7 @@ def outward_normals(corners: Floats, parts: ModelParts) -> tuple[Floats, Bools]:
     normals: Floats = across / np.sqrt((across * across).sum(axis=1))[:, None]
     normals[~is_front(normals)] *= -1.0
     is_outward = np.zeros(len(corners), dtype=np.bool_)
-    for solid in parts.solids:
+    for solid in parts.solids or ():
         rows = np.flatnonzero(parts.part_of == solid.number)
         is_outward[rows] = True
         beside = corners[rows].mean(axis=1) + 10.0 * _EXACTNESS * solid.size * normals[rows]

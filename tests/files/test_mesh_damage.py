@@ -50,6 +50,8 @@ def root(**changes):
 
 ACCESSOR = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
 MANY = [{"mesh": 0} for _ in range(2000)]
+STAR = "".join(f"v {7 * k % 5000} {11 * k % 4999} 0\n" for k in range(5000)).encode()
+STAR += b"f " + b" ".join(b"%d" % k for k in range(1, 5001)) + b"\n"
 HUGE = {"bufferView": 0, "componentType": 5126, "count": 30_000, "type": "VEC3"}
 BAD = {
     "zero.stl": (bytes(84), "does not begin with"),
@@ -60,6 +62,7 @@ BAD = {
     "flat.stl": (b"solid\nfacet\n" + b"vertex 1 2 3\n" * 3 + b"endsolid\n", "none of its 1 faces has an area"),
     "nan.stl": (b"solid\nfacet\n" + b"vertex nan 2 3\n" * 3 + b"endsolid\n", "none of its 1 faces has finite corners"),
     "far.stl": (b"solid\nfacet\nvertex 0 0 0\nvertex 1e300 0 0\nvertex 0 1 0\nendsolid\n", "1e+300, beyond 1e+12"),
+    "star.obj": (STAR, "none of its 1 faces can be cut into triangles"),
     "none.obj": (b"o a\nf 1 2 3\nv x\n", "its vertex 1 has 1 numbers"),
     "empty.obj": (b"mtllib a.mtl\no a\n", "holds no vertices"),
     "index.obj": (
@@ -137,6 +140,15 @@ def test_bad_mesh(tmp_path, name):
         read_scan(path, "m")
     check_form(path, str(caught.value))
     assert words in str(caught.value)
+
+
+def test_points_spread_over_a_country_are_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr(raw_mesh, "MOST_POINTS", 5000)
+    path = tmp_path / "a.obj"
+    path.write_bytes(b"v 0 0 0\nv 1e9 0 0\nv 0 1e9 0\nf 1 2 3\n")
+    with pytest.raises(ReadError, match="spread over many kilometres; cut out the staircase") as caught:
+        read_scan(path, "m")
+    check_form(path, str(caught.value))
 
 
 @pytest.mark.parametrize("name", ["lying.off", "lying2.glb", "sparse.glb", "stride.glb", "digits.obj"])

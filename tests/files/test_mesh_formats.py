@@ -10,6 +10,7 @@ import trimesh
 from stair_inspector.errors import ReadError
 from stair_inspector.files import raw_mesh
 from stair_inspector.files.scans import FOLDER_SUFFIXES, SUFFIXES, find_scans, read_scan
+from stair_inspector.geometry import solids
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from tests.files.models import box, exported, gltf_text, stair_of_solids
@@ -213,6 +214,15 @@ def test_the_ground_of_a_site_leaves_the_stair_its_points(tmp_path, monkeypatch)
     on_stair = (np.abs(scan.points) < 2.0).all(axis=1) & (scan.points[:, 2] > -0.06)
     assert on_stair.sum() > 10_000
     assert "the largest faces thinner" in scan.notes[0].message
+
+
+def test_more_overlapping_solids_than_can_be_looked_into_are_said(tmp_path, monkeypatch):
+    content = exported(STAIR, "a.stl")
+    hidden = read(tmp_path, "a.stl", content)
+    monkeypatch.setattr(solids, "_MOST_ASKED", 10)
+    kept = read(tmp_path, "a.stl", content)
+    assert codes(kept) == ["faces_sampled", "hidden_kept"]
+    assert len(kept.points) == 4000 > len(hidden.points)
 
 
 def test_folders_and_uploads_offer_the_formats(tmp_path):
