@@ -335,6 +335,41 @@ def test_no_file_is_longer_than_350_lines():
     assert {file for file, length in lengths.items() if length > 350} == set()
 
 
+RUN = 10
+"""So many lines that stand twice, one after the other, are one thing said twice."""
+
+
+def runs_of(source, length=RUN):
+    """Every run of so many lines with its first line's number; imports and docstrings are no such lines."""
+    left_out = set()
+    for node in ast.walk(ast.parse(source)):
+        is_text = (
+            isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+        )
+        if is_text or isinstance(node, ast.Import | ast.ImportFrom):
+            left_out.update(range(node.lineno, node.end_lineno + 1))
+    lines = [
+        (number, line.strip())
+        for number, line in enumerate(source.splitlines(), 1)
+        if line.strip() and number not in left_out
+    ]
+    for first in range(len(lines) - length + 1):
+        yield tuple(line for _, line in lines[first : first + length]), lines[first][0]
+
+
+def test_no_run_of_ten_lines_stands_twice():
+    places = {}
+    for file in FILES:
+        for run, number in runs_of(file.read_text(encoding="utf-8")):
+            places.setdefault(run, []).append(f"{file.relative_to(PACKAGE)}:{number}")
+    assert [found for found in places.values() if len(found) > 1] == []
+
+
+def test_the_finder_of_runs_leaves_out_imports_and_docstrings():
+    source = 'import ast\n\n"""Text."""\n\n\ndef f():\n    """Text\n    goes on."""\n    return 1\n'
+    assert list(runs_of(source, 2)) == [(("def f():", "return 1"), 6)]
+
+
 def test_the_recipe_stays_under_a_hundred_lines():
     assert len((PACKAGE / "pipeline.py").read_text(encoding="utf-8").splitlines()) < 100
 
