@@ -79,7 +79,7 @@ def draw(
         else:
             edges.append((front_left, front_right))
             edge_colors.append(palette.front_edge)
-    centres = [scan_points[step.nearest_ids] for step in inspection.steps]
+    centres = [inspection.places(scan_points[ids], ids) for ids in (step.nearest_ids for step in inspection.steps)]
     return SegmentedScene(
         colors=colors,
         edges=np.array(edges).reshape(-1, 2, 3),

@@ -34,11 +34,11 @@ fronts of the nosings above and below a riser lie at its ends."""
 _FEWEST_CELLS = 10
 _LEAST_SHARE = 0.2
 _AGREEING = 0.6
-_SAME_PLANE_M = 0.03
+SAME_PLANE_M = 0.03
 LEAST_STEPS = 3.0
 """Coordinates on a step lie in layers one and two steps apart."""
 _SURELY_NO_SLAB = 0.8
-_FEWEST_PLANES, _FEWEST_ON_PLANE, _STACK = 2, 4, 4
+FEWEST_PLANES, FEWEST_ON_PLANE, _STACK = 2, 4, 4
 """Planes, and cells on each, on which surfaces as far apart as the faces of a slab must be double; and so many planes
 that face one way are levels or risers."""
 
@@ -262,13 +262,13 @@ def _judge(cells: Cells, normal: Floats, members: Ints, step_m: float) -> Double
         return None
     if apart_m >= _SURELY_NO_SLAB * priors.SLAB_THICKNESS_M[0]:
         shares, sizes = _shares_by_plane(split.offset_m[counts], is_one[counts])
-        is_plane = sizes >= _FEWEST_ON_PLANE
+        is_plane = sizes >= FEWEST_ON_PLANE
         is_double = is_plane & (shares >= _LEAST_SHARE)
         if not is_double[int(sizes.argmax())]:
             return None
         # A partition shows both faces where little else faces its way. Of levels or risers several do, and of those
         # each station may have seen others.
-        if np.count_nonzero(is_plane) < _STACK and np.count_nonzero(is_double) < _FEWEST_PLANES:
+        if np.count_nonzero(is_plane) < _STACK and np.count_nonzero(is_double) < FEWEST_PLANES:
             return None
     return DoubledWay(freeze(normal.copy()), apart_m, share)
 
@@ -276,6 +276,6 @@ def _judge(cells: Cells, normal: Floats, members: Ints, step_m: float) -> Double
 def _shares_by_plane(offset_m: Floats, is_one: Bools) -> tuple[Floats, Ints]:
     """Return the share of doubled cells on each plane, and how many cells it has."""
     order = np.argsort(offset_m)
-    plane = np.concatenate([[0], np.cumsum(np.diff(offset_m[order]) > _SAME_PLANE_M)])
+    plane = np.concatenate([[0], np.cumsum(np.diff(offset_m[order]) > SAME_PLANE_M)])
     sizes = np.bincount(plane)
     return np.bincount(plane, is_one[order].astype(np.float64)) / sizes, sizes

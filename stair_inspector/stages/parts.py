@@ -147,7 +147,7 @@ class Doubts:
         """
         left = np.array([*left_of(shape.climb), 0.0])
         apart_m = self._apart_m(left)
-        untold_m = layers_doubt(float(np.abs(self._common.aside_m @ left).max(initial=0.0)))
+        untold_m = float(np.abs(self._common.aside_m @ left).max(initial=0.0)) / 2.0
         # What a strip of carpet leaves of the width goes to two sides, and to one direction; so does an untold shift.
         return math.hypot(apart_m / 2.0, math.hypot(shape.plane.aside_m / 2.0, untold_m) / math.sqrt(2.0))
 

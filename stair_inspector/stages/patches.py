@@ -23,9 +23,9 @@ _BUMP_M, _BUMP_SIGMA = 0.015, 5.0
 """What lies farther off the plane of a surface than both is something else."""
 _CRUMB_SHARE = 0.35
 _CRUMB_GAP_M = 0.3
-_BESIDE_GAP_M = 0.12
-"""A crumb beyond the ends of a surface would make it longer: what lies at its height beside a tread, as clutter on the
-floor of a tall step, is nearer only by chance. The other treads of a flight tell more."""
+_BESIDE_GAP_M, _LEAST_DEPTH = 0.12, 0.5
+"""A crumb beyond the ends of a surface would make it longer. Behind the shadow of a post a tread goes on over its whole
+depth; clutter that lies at its height is smaller, and nearer only by chance."""
 _CRUMB_STEP_M = 0.004
 
 
@@ -182,17 +182,18 @@ def _goes_with(crumb: Surface, large: Surface) -> bool:
     if not near.all(axis=0).any():
         return False
     gaps = large.cells_m[:, :, None] - crumb.cells_m[:, None, :: max(1, crumb.cells_m.shape[1] // 20)]
-    most_m = _CRUMB_GAP_M if _lies_among(crumb, large) else _BESIDE_GAP_M
+    most_m = _CRUMB_GAP_M if _continues(crumb, large) else _BESIDE_GAP_M
     return bool(np.hypot(gaps[0], gaps[1]).min() <= most_m)
 
 
-def _lies_among(crumb: Surface, large: Surface) -> bool:
-    """Return whether the middle of a crumb lies within the rectangle of a large surface along its own axes."""
+def _continues(crumb: Surface, large: Surface) -> bool:
+    """Return whether a crumb lies within a large surface's rectangle, or carries it on over half of its depth."""
     middle = large.cells_m.mean(axis=1)
     axes = np.linalg.svd(large.cells_m - middle[:, None], full_matrices=False)[0].T
-    low, high = (axes @ large.cells_m).min(axis=1), (axes @ large.cells_m).max(axis=1)
-    place = axes @ crumb.cells_m.mean(axis=1)
-    return bool(((place >= low) & (place <= high)).all())
+    whole, part = axes @ large.cells_m, axes @ crumb.cells_m
+    low, high, place = whole.min(axis=1), whole.max(axis=1), part.mean(axis=1)
+    is_among = bool(((place >= low) & (place <= high)).all())
+    return is_among or bool(np.ptp(part[1]) >= _LEAST_DEPTH * np.ptp(whole[1]))
 
 
 def surface_of_part(

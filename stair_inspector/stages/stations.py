@@ -17,7 +17,7 @@ from stair_inspector.geometry.trimmed import fit_trimmed, height_above
 from stair_inspector.model import Examination, Moved, Observation, Scan
 from stair_inspector.params import Method, Stations
 from stair_inspector.stages.examine import size_text
-from stair_inspector.stages.layers import SAME_WAY, Cells, find_doubled
+from stair_inspector.stages.layers import FEWEST_ON_PLANE, FEWEST_PLANES, SAME_PLANE_M, SAME_WAY, Cells, find_doubled
 
 _MOST_POINTS = 300_000
 _FEWEST_LABELLED = 400
@@ -38,8 +38,10 @@ _BEYOND = 3.0
 _MOST_SPREAD_M = 0.0005
 """Half of the cells that face one way agree on their distance so well, beyond what noise does."""
 _AGREEING = 0.75
-"""Share of these cells whose distance is that: where one station saw the upper faces of slabs and the other their
-undersides, the floor that both saw is not double."""
+"""Share of these cells whose distance is that."""
+_STAYED = 0.25
+"""A plane on which both lie nearer than this share of it has stayed: where one station saw the upper faces of slabs and
+the other their undersides, the floor is not double. Two planes show it: a pane seen from both sides is one."""
 _TURNED = 0.9
 """A turn is made where it leaves so much less between the stations."""
 _UNTOLD = 0.05
@@ -129,7 +131,11 @@ def join_stations(
     layers_m = examined.layers_m / np.linalg.norm(examined.layers_m, axis=1)[:, None] * motion.u_m
     observations = (*kept, _observe(doubled[0], motion, is_second))
     laid = replace(examined, observations=observations, layers_m=layers_m, moved=moved)
-    return replace(scan, points=freeze(points)), laid
+    normals = scan.normals
+    if normals is not None:
+        normals = np.where(is_second[:, None], normals @ turn, normals)
+        normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+    return replace(scan, points=freeze(points), normals=normals), laid
 
 
 def _tell_stations(
@@ -242,13 +248,8 @@ def _fit_motion(cells: Cells, ways: list[tuple[Floats, Ints]], of_point: Bools) 
         usual_m = min(usual_m, _BEYOND * float(np.median([each.u_m for each in found])))
         off = np.array([each.apart_m for each in found])
         where = np.array([each.place for each in found])
-        level = _without_slope(off, where, normal)
-        low, high = _shortest_half(level)
-        # The face of a nosing seen by one and that of the riser by the other are not one surface twice.
-        if high - low > _MOST_SPREAD_M + _BEYOND * float(np.median([each.u_m for each in found])):
-            continue
-        near = np.abs(level - 0.5 * (low + high)) <= _BEYOND * max(high - low, 1e-4)
-        if near.mean() < _AGREEING:
+        near = _agreeing(_without_slope(off, where, normal), where @ normal, np.median([each.u_m for each in found]))
+        if near is None:
             continue
         normals.append(np.tile(normal, (int(near.sum()), 1)))
         places.append(where[near])
@@ -269,14 +270,33 @@ def _fit_motion(cells: Cells, ways: list[tuple[Floats, Ints]], of_point: Bools) 
     return motion
 
 
+def _agreeing(apart_m: Floats, offset_m: Floats, u_m: float) -> Bools | None:
+    """Return which cells (n,) that face one way show the distance on which they agree, None where they do not agree.
+
+    ``offset_m`` (n,) are their places along their normal: those of one plane lie together.
+    """
+    low, high = _shortest_half(apart_m)
+    # The face of a nosing seen by one and that of the riser by the other are not one surface twice.
+    if high - low > _MOST_SPREAD_M + _BEYOND * u_m:
+        return None
+    middle, reach_m = 0.5 * (low + high), _BEYOND * max(high - low, 1e-4)
+    near: Bools = np.abs(apart_m - middle) <= reach_m
+    order = np.argsort(offset_m)
+    planes = np.split(order, 1 + np.flatnonzero(np.diff(offset_m[order]) > SAME_PLANE_M))
+    of_planes = np.array([np.median(apart_m[each]) for each in planes if len(each) >= FEWEST_ON_PLANE])
+    is_shown = np.count_nonzero(np.abs(of_planes - middle) <= reach_m) >= FEWEST_PLANES
+    has_stayed = bool((np.abs(of_planes) < _STAYED * abs(middle)).any())
+    return near if is_shown and not has_stayed and near.mean() >= _AGREEING else None
+
+
 def _without_slope(apart_m: Floats, places: Floats, normal: Floats) -> Floats:
-    """Return distances (n,) without what grows evenly with the place (n, 3), as where a station leans."""
+    """Return distances (n,) without what grows with the place (n, 3), as where a station leans, but at their middle."""
     across = places - places.mean(axis=0)
     across = across - np.outer(across @ normal, normal)
     axes = np.linalg.svd(across, full_matrices=False)[2][:2]
     along = np.vstack([axes @ across.T, apart_m])
     slope, centre, _ = fit_trimmed(along)
-    return height_above(along, slope, centre)
+    return height_above(along, slope, centre) + float(centre[2])
 
 
 def _solve(rows: Floats, apart_m: Floats) -> tuple[Floats, float]:

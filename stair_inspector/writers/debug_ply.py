@@ -31,7 +31,8 @@ def debug_ply_bytes(scan: Scan, inspection: Inspection) -> bytes:
     Returns
     -------
     bytes
-        Binary PLY, float64 coordinates in metres in the scan frame; the scan's used points first, then the edges.
+        Binary PLY, float64 coordinates in metres in the scan frame; the scan's used points first, where they
+        lay when they were measured, then the edges.
     """
     palette = read_palette("paper")
     # Rejected levels have no step: they are drawn as what they are, not part of a stair.
@@ -46,7 +47,8 @@ def debug_ply_bytes(scan: Scan, inspection: Inspection) -> bytes:
             row = _points_along(start, stop)
             extra_points.append(row)
             extra_colors.append(np.tile(np.array(color, dtype=np.uint8), (len(row), 1)))
-    points = np.vstack([scan.points, *extra_points]) + scan.origin_m
+    placed = inspection.places(scan.points, np.arange(len(scan.points)))
+    points = np.vstack([placed, *extra_points]) + scan.origin_m
     return ply_bytes(points, np.vstack([colors, *extra_colors]))
 
 

@@ -209,7 +209,9 @@ def test_levels_of_a_stair_are_its_treads():
     ("crumb", "n_surfaces"),
     [
         pytest.param(((0.0, 0.28), (1.1, 1.3), 0.17), 1, id="near and level"),
-        pytest.param(((0.0, 0.28), (1.16, 1.36), 0.17), 2, id="too far beyond its end"),
+        pytest.param(((0.0, 0.28), (1.2, 1.4), 0.17), 1, id="behind the shadow of a post"),
+        pytest.param(((0.1, 0.15), (1.16, 1.3), 0.17), 2, id="clutter beyond its end"),
+        pytest.param(((0.0, 0.28), (1.36, 1.56), 0.17), 2, id="too far"),
         pytest.param(((0.0, 0.28), (1.1, 1.3), 0.182), 2, id="12 mm higher"),
         pytest.param(((0.0, 0.28), (1.1, 1.6), 0.17), 2, id="too large"),
     ],

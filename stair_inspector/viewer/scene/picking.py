@@ -95,7 +95,9 @@ def pick_of(inspection: Inspection, display: Display, row: int) -> Pick:
     only = Display(display.point_ids[row : row + 1], display.points[row : row + 1], display.colors[row : row + 1], 0.0)
     label = int(labels_at(inspection, only.point_ids)[0])
     residual = float(residuals_of(inspection, only)[0])
-    x, y, z = (float(value) for value in display.points[row] + np.array(inspection.scan.origin_m))
+    # Where it lay when it was measured: only so is a length right between points of stations laid onto each other.
+    place = inspection.places(only.points, only.point_ids)[0]
+    x, y, z = (float(value) for value in place + np.array(inspection.scan.origin_m))
     return Pick((x, y, z), label if label >= FLOOR_LABEL else None, None if math.isnan(residual) else residual)
 
 

@@ -125,7 +125,7 @@ def profile_of(scan: Scan, inspection: Inspection, slab: Slab) -> Profile:
     origin_height = float(scan.origin_m @ slab.up)
     return Profile(
         direction=slab.direction,
-        places_m=_places(scan.points[rows], slab, origin_height),
+        places_m=_places(inspection.places(scan.points[rows], rows), slab, origin_height),
         labels=labels_at(inspection, rows),
         lines=tuple(_lines(inspection, slab, origin_height)),
         place_m=slab.place_m,
