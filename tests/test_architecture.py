@@ -272,7 +272,7 @@ def test_the_reader_of_imports_sees_every_kind_of_import():
 
 STAGES = (
     ("coordinate_steps", "copies", "density", "layers", "reach", "thinned", "camera_frames", "readings"),
-    ("examine", "stations"),
+    ("examine", "station_motion", "stations"),
     ("up_questions", "floor_planes", "orient", "levels", "sparse", "treads", "paper"),
     ("region", "dither", "plan_cells", "patches", "bar_peaks", "bars", "rejects"),
     ("links", "pace", "gaps", "missing_feet", "runs", "run_ends", "flights"),

@@ -98,7 +98,8 @@ class Examination:
     integer format, a voxel lattice or float32 far from zero leave it; 0 where none shows. ``layers_m`` (k, 3) are the
     shifts of doubled surfaces against each other, scan axes, each along what faces one way. ``is_thinned`` says that
     the points fill a lattice of these steps, one in each cell; ``is_view`` that the scan was taken from its origin in
-    one direction, as a camera's frame is; ``moved`` which points were laid onto the others.
+    one direction, as a camera's frame is; ``hints_m`` (h, 3) are such shifts of which surfaces
+    alone tell too little; ``moved`` says which points were laid onto the others.
     """
 
     observations: tuple[Observation, ...]
@@ -106,4 +107,5 @@ class Examination:
     layers_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     is_thinned: bool = False
     is_view: bool = False
+    hints_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     moved: Moved | None = None

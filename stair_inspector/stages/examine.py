@@ -14,7 +14,7 @@ from stair_inspector.stages.camera_frames import is_view
 from stair_inspector.stages.coordinate_steps import CoordinateSteps, find_steps
 from stair_inspector.stages.copies import find_mirrored_copy, find_shifted_copy
 from stair_inspector.stages.density import find_spacing
-from stair_inspector.stages.layers import LEAST_STEPS, SAME_WAY, DoubledWay, find_doubled
+from stair_inspector.stages.layers import LEAST_STEPS, SAME_WAY, DoubledWay, find_ways
 from stair_inspector.units import METRES_PER_UNIT
 
 _LEAST_SAID_M = 0.0004
@@ -77,7 +77,8 @@ def examine(scan: Scan) -> Examination:
     found = [*scan.observations, *_observe_steps(scan, steps)]
     if len(scan.points) < _FEWEST:
         return Examination(tuple(found), steps.steps_m)
-    doubled = _find_doubled(scan, steps.steps_m)
+    found_ways = _find_ways(scan, steps.steps_m)
+    doubled = tuple(way for way in found_ways if way.is_sure)
     # Rounded coordinates and lattices repeat every difference.
     shift = None if steps.steps_m.any() else find_shifted_copy(scan.points)
     if shift is not None:
@@ -100,17 +101,19 @@ def examine(scan: Scan) -> Examination:
         ways = [shift] if float(np.linalg.norm(shift)) <= _NEAR_COPY_M else []
     layers_m = np.array(ways).reshape(-1, 3)
     few = scan.points[:: -(-len(scan.points) // _MOST_FOR_VIEW)]
-    return Examination(tuple(found), steps.steps_m, layers_m, is_thinned, is_view(scan, few))
+    # Where surfaces are surely double along one direction, what may be so along another says nothing new.
+    hints_m = np.array([way.apart_m * way.normal for way in found_ways if shift is None and not doubled]).reshape(-1, 3)
+    return Examination(tuple(found), steps.steps_m, layers_m, is_thinned, is_view(scan, few), hints_m=hints_m)
 
 
-def _find_doubled(scan: Scan, steps_m: Floats) -> tuple[DoubledWay, ...]:
+def _find_ways(scan: Scan, steps_m: Floats) -> tuple[DoubledWay, ...]:
     """Return how surfaces are double; where it is known which way each faces, the two faces of a board are not."""
     if scan.is_outward is None or scan.normals is None:
-        return find_doubled(scan.points, steps_m)
+        return find_ways(scan.points, steps_m)
     front = is_front(scan.normals)
     found: list[DoubledWay] = []
     for of_side in (front, ~front):
-        ways = find_doubled(scan.points[of_side], steps_m) if of_side.any() else ()
+        ways = find_ways(scan.points[of_side], steps_m) if of_side.any() else ()
         found += [way for way in ways if all(abs(float(way.normal @ each.normal)) <= SAME_WAY for each in found)]
     return tuple(found)
 

@@ -32,7 +32,7 @@ _INNER, _LEAST_INNER = (0.16, 0.84), 0.15
 """Of points that lie over the other layer, almost half lie within these shares of its extent, both ways along; the
 fronts of the nosings above and below a riser lie at its ends."""
 _FEWEST_CELLS = 10
-_LEAST_SHARE = 0.2
+_LEAST_SHARE, _LEAST_HINT, _HINT_AGREEING = 0.2, 0.05, 0.8
 _AGREEING = 0.6
 SAME_PLANE_M = 0.03
 LEAST_STEPS = 3.0
@@ -45,11 +45,15 @@ that face one way are levels or risers."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DoubledWay:
-    """Surfaces that face one way and are double: unit ``normal`` (3,), distance, share of the cells that show both."""
+    """Surfaces that face one way and are double: unit ``normal`` (3,), distance, share of the cells that show both.
+
+    ``is_sure`` says that they alone tell it; else it is so only if the order of the points tells stations, too.
+    """
 
     normal: Floats
     apart_m: float
     share: float
+    is_sure: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,15 +85,23 @@ def find_doubled(points: Floats, steps_m: Floats) -> tuple[DoubledWay, ...]:
     much of what faces one way, and on its largest plane as well: open treads show their undersides at one distance,
     but the floor has none. What lies less than a slab's thickness apart needs no floor to be told from slabs.
     """
+    return tuple(way for way in find_ways(points, steps_m) if way.is_sure)
+
+
+def find_ways(points: Floats, steps_m: Floats) -> tuple[DoubledWay, ...]:
+    """Do the same, and find those directions too in which surfaces are double on too few cells to be sure."""
     some = points[:: -(-len(points) // _MOST_POINTS)]
     found: list[DoubledWay] = []
     for shift_m in (0.0, _CELL_M / 2.0):
         cells = Cells(some, shift_m)
         for normal, members in cells.ways():
             way = _judge(cells, normal, members, float(np.abs(normal) @ steps_m))
-            is_known = any(abs(float(way.normal @ other.normal)) > SAME_WAY for other in found) if way else True
-            if way is not None and not is_known:
-                found.append(way)
+            if way is not None:
+                known = [k for k, other in enumerate(found) if abs(float(normal @ other.normal)) > SAME_WAY]
+                if not known:
+                    found.append(way)
+                elif way.is_sure and not any(found[k].is_sure for k in known):
+                    found[known[0]] = way
     return tuple(found)
 
 
@@ -120,13 +132,18 @@ class Cells:
         """Return the normal of each cell and its scatter across, as a share of that along; infinite for a line."""
         if not len(self.counts):
             return np.zeros((0, 3)), np.zeros(0)
-        means = np.add.reduceat(self.points, self.starts) / self.counts[:, None]
+        means = self.middles()
         off = self.points - np.repeat(means, self.counts, axis=0)
         pairs = [np.add.reduceat(off[:, i] * off[:, j], self.starts) / self.counts for i in range(3) for j in range(3)]
         values, vectors = np.linalg.eigh(np.stack(pairs, axis=1).reshape(-1, 3, 3))
         spread = np.sqrt(np.maximum(values, 0.0))
         is_wide = spread[:, 1] >= _CELL_M / 8.0
         return vectors[:, :, 0], np.where(is_wide, spread[:, 0] / np.maximum(spread[:, 1], _CELL_M / 8.0), np.inf)
+
+    def middles(self) -> Floats:
+        """Return the mean (c, 3) of the points of each cell."""
+        means: Floats = np.add.reduceat(self.points, self.starts) / self.counts[:, None]
+        return means
 
     def ways(self) -> list[tuple[Floats, Ints]]:
         """Return the directions that most flat cells face, each with its cells."""
@@ -254,23 +271,26 @@ def _judge(cells: Cells, normal: Floats, members: Ints, step_m: float) -> Double
     is_one = split.is_double & (split.apart_m >= agreeing[0]) & (split.apart_m <= agreeing[-1])
     counts = is_one | (cells.flatness[members] <= _CLEARLY_FLAT)
     share = float(is_one.sum() / counts.sum())
-    if (
-        len(agreeing) < max(_FEWEST_CELLS, _AGREEING * len(apart))
-        or share < _LEAST_SHARE
-        or apart_m < LEAST_STEPS * step_m
-    ):
+    if len(agreeing) < max(_FEWEST_CELLS, _AGREEING * len(apart)) or apart_m < LEAST_STEPS * step_m:
         return None
-    if apart_m >= _SURELY_NO_SLAB * priors.SLAB_THICKNESS_M[0]:
-        shares, sizes = _shares_by_plane(split.offset_m[counts], is_one[counts])
-        is_plane = sizes >= FEWEST_ON_PLANE
-        is_double = is_plane & (shares >= _LEAST_SHARE)
-        if not is_double[int(sizes.argmax())]:
-            return None
-        # A partition shows both faces where little else faces its way. Of levels or risers several do, and of those
-        # each station may have seen others.
-        if np.count_nonzero(is_plane) < _STACK and np.count_nonzero(is_double) < FEWEST_PLANES:
-            return None
-    return DoubledWay(freeze(normal.copy()), apart_m, share)
+    offset_m, is_double = split.offset_m[counts], is_one[counts]
+    if share >= _LEAST_SHARE and (
+        apart_m < _SURELY_NO_SLAB * priors.SLAB_THICKNESS_M[0] or _is_no_slab(offset_m, is_double)
+    ):
+        return DoubledWay(freeze(normal.copy()), apart_m, share)
+    is_hint = share >= _LEAST_HINT and len(agreeing) >= _HINT_AGREEING * len(apart)
+    return DoubledWay(freeze(normal.copy()), apart_m, share, is_sure=False) if is_hint else None
+
+
+def _is_no_slab(offset_m: Floats, is_one: Bools) -> bool:
+    """Return whether cells, by their places along the normal, are double where a slab's two faces are not."""
+    shares, sizes = _shares_by_plane(offset_m, is_one)
+    is_plane = sizes >= FEWEST_ON_PLANE
+    is_double = is_plane & (shares >= _LEAST_SHARE)
+    # A partition shows both faces where little else faces its way. Of levels or risers several do, and of those each
+    # station may have seen others.
+    is_stack = np.count_nonzero(is_plane) >= _STACK or np.count_nonzero(is_double) >= FEWEST_PLANES
+    return bool(is_double[int(sizes.argmax())] and is_stack)
 
 
 def _shares_by_plane(offset_m: Floats, is_one: Bools) -> tuple[Floats, Ints]:

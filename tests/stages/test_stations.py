@@ -191,6 +191,22 @@ def test_what_would_still_be_double_afterwards_stays():
     assert now is examined
 
 
+@pytest.mark.slow
+def test_stations_that_have_little_in_common_are_told_by_the_order_of_the_points():
+    # Too few cells are double to tell it by themselves; a shuffled file says nothing.
+    scanner = replace(PROFILES["tls_good"], spacing_m=0.006, standoff_m=1.8, registration_m=0.0, tilt_deg=0.0, seed=4)
+    scanned = scan_building(build(replace(STAIR, n_risers=10)), scanner)
+    points = scanned.points + np.where(scanned.station_ids == 1, 0.02, 0.0)[:, None] * [0.0, 0.0, 1.0]
+    scan, examined, laid, now = joined(points)
+    assert examined.observations == ()
+    assert np.linalg.norm(examined.hints_m, axis=1) == pytest.approx([0.02], abs=1e-3)
+    assert [each.code for each in now.observations] == ["stations_joined"]
+    off_m = (laid.points - scanned.points)[scanned.station_ids == 1, 2]
+    assert np.abs(off_m).max() < 5e-4
+    assert joined(np.random.default_rng(2).permutation(points))[3].observations == ()
+    assert laid is not scan
+
+
 def test_given_normals_turn_with_their_station():
     is_second = simulated()[1]
     turn = rotation("y", 0.03)
