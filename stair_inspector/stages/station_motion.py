@@ -16,7 +16,7 @@ _BEYOND = 3.0
 """Cells that stray farther, in robust standard deviations, show two surfaces and not one twice."""
 _MOST_SPREAD_M = 0.0005
 """Half of the cells that face one way agree on their distance so well, beyond what noise does."""
-_AGREEING = 0.75
+_AGREEING = 0.92
 """Share of these cells whose distance is that."""
 _STAYED = 0.25
 """A plane on which both lie nearer than this share of it has stayed: where one station saw the upper faces of slabs and

@@ -62,7 +62,7 @@ def joined(points, stations="auto"):
     return scan, examined, *join_stations(scan, examined, stations)
 
 
-@pytest.mark.parametrize("shift_m", [(0.0, 0.0, 0.008), (0.0, 0.0, -0.012), (0.0, 0.0, 0.025)])
+@pytest.mark.parametrize("shift_m", [(0.0, 0.0, 0.008), (0.0, 0.0, -0.012), (0.0, 0.0, 0.018)])
 def test_the_second_station_is_laid_onto_the_first(shift_m):
     scanned, is_second = simulated()
     points = apart(shift_m)
@@ -118,6 +118,13 @@ def test_where_nothing_tells_the_stations_nothing_moves(how):
     assert laid is scan
     assert now is examined
     assert [each.code for each in examined.observations] == ["surfaces_doubled"] * (how != "sound")
+
+
+def test_stations_as_far_apart_as_the_edge_of_a_tread_is_thick_stay():
+    scan, examined, laid, now = joined(apart((0.0, 0.0, 0.03)))
+    assert [each.code for each in examined.observations] == ["surfaces_doubled"]
+    assert laid is scan
+    assert now is examined
 
 
 def test_the_undersides_that_one_station_saw_stay_where_they_are():
