@@ -138,7 +138,16 @@ def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud,
     colors = None if mesh.colors is None else np.rint(sampled[:, 3:]).astype(np.uint8)
     normals, is_outward = outward_normals(faces, parts)
     points = np.ascontiguousarray(sampled[:, :3])
-    return RawCloud(points, colors, normals[on], tuple(notes), is_outward[on]), decided
+    step = _float32_step(faces)
+    return RawCloud(points, colors, normals[on], tuple(notes), is_outward[on], step=step), decided
+
+
+def _float32_step(faces: Floats) -> Floats | None:
+    """Return what float32 resolves on each axis (3,) where all corners are such numbers: points between hide it."""
+    if not (faces == faces.astype(np.float32)).all():
+        return None
+    step: Floats = np.spacing(np.abs(faces).max(axis=(0, 1)).astype(np.float32)).astype(np.float64)
+    return step
 
 
 def _distinct_faces(mesh: RawMesh) -> Floats:

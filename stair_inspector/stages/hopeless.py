@@ -71,8 +71,8 @@ def why_hopeless(scan: Scan, examination: Sequence[Observation], flights: Flight
         if spacing_m**2 * POINTS_PER_TREAD > TREAD_M2:
             return (
                 f"only {len(scan.points):,} points, some {size_text(spacing_m)} apart: the corners of a mesh, as of a "
-                "CAD model, or a scan that was thinned too far; of a mesh, sample the faces (1,000 points and more a "
-                "tread), of a scan, export all points"
+                "CAD model, or a scan that was thinned too far; of a mesh, export its faces too, of a scan, export all "
+                "points"
             )
     return None
 

@@ -13,6 +13,7 @@ from stair_inspector.files.scans import FOLDER_SUFFIXES, SUFFIXES, find_scans, r
 from stair_inspector.geometry import solids
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
+from stair_inspector.stages.examine import examine
 from tests.files.models import box, exported, gltf_text, stair_of_solids
 
 STAIR = stair_of_solids()
@@ -214,6 +215,18 @@ def test_the_ground_of_a_site_leaves_the_stair_its_points(tmp_path, monkeypatch)
     on_stair = (np.abs(scan.points) < 2.0).all(axis=1) & (scan.points[:, 2] > -0.06)
     assert on_stair.sum() > 10_000
     assert "the largest faces thinner" in scan.notes[0].message
+
+
+def test_a_mesh_far_from_zero_in_float32_says_what_it_resolves(tmp_path):
+    far = STAIR.copy()
+    far.apply_translation([500_000.0, 5_400_000.0, 100.0])
+    assert [(each.code, each.size_m) for each in examine(read(tmp_path, "a.stl", exported(far, "a.stl"))).observations][
+        :1
+    ] == [("coordinates_rounded", 0.5)]
+    near = read(tmp_path, "b.stl", exported(STAIR, "b.stl"))
+    assert near.stated_steps_m is not None
+    assert near.stated_steps_m.max() < 2e-7
+    assert read(tmp_path, "a.obj", exported(STAIR, "a.obj")).stated_steps_m is None
 
 
 def test_more_overlapping_solids_than_can_be_looked_into_are_said(tmp_path, monkeypatch):
