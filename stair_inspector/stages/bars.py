@@ -35,7 +35,7 @@ _SIDE_SHARE = 0.06
 _SWALLOWED = 0.5
 _TRIM_SIGMA, _LEAST_SIGMA_M, _ROUNDS = 2.5, 0.0005, 3
 _SAME_HEIGHT_M = 0.012
-_MOST_PIECES, _MOST_TO_FIT = 400, 4000
+_MOST_PIECES, _MOST_TO_FIT, _ENOUGH_TO_FIT = 400, 4000, 1000
 
 
 def join_bars(
@@ -79,7 +79,8 @@ def _treads_of(
     cell_m = patches.cell_m
     points = heights.coordinates_m[:, rows]
     is_covered = is_mostly_level or _is_covered(points[:2], float(np.median(points[2])), patches)
-    rows = _on_plane(heights.coordinates_m, rows)
+    # Most of these are whole treads, which need to be known less well than what may be bars.
+    rows = _on_plane(heights.coordinates_m, rows, _ENOUGH_TO_FIT if is_covered else _MOST_TO_FIT)
     if len(rows) < FEWEST_IN_PEAK:
         return []
     # On the rim of a whole tread hang its own faces; what hangs far inside is seen through gaps.
@@ -143,13 +144,13 @@ def _has_sides_within(coordinates: Floats, rows: Ints, cell_m: float) -> bool:
     return bool(_SIDE_PARTS * int(hanging.min()) >= _SIDE_SHARE * max(n_on, 1))
 
 
-def _on_plane(coordinates: Floats, rows: Ints) -> Ints:
+def _on_plane(coordinates: Floats, rows: Ints, most: int) -> Ints:
     """Return those of some points that lie on the plane of the bars' tops; their sides hang below it.
 
     What is noise shows above the plane alone: the points below it within the same distance belong to it too.
     """
     # Thousands of points give the plane as well as tens of thousands.
-    points = coordinates[:, rows[:: -(-len(rows) // _MOST_TO_FIT)]]
+    points = coordinates[:, rows[:: -(-len(rows) // most)]]
     slope, centre, _ = fit_trimmed(points)
     reach_m = 0.0
     for _ in range(_ROUNDS):

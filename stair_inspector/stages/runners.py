@@ -22,7 +22,7 @@ from stair_inspector.model import Chain, Chains, Horizontal, Note, Patches, Surf
 from stair_inspector.stages.bars import surface_of_rows
 from stair_inspector.stages.climbs import straight_climb
 
-_MOST_TO_FIT = 8000
+_MOST_TO_FIT = 4000
 _FEWEST_TREADS, _ON_MOST = 2, 0.6
 """Treads that must show the strip, and their share of the flight's."""
 _SAME_SIDE_M, _SAME_THICK_M, _SAME_THICK = 0.03, 0.002, 0.3
