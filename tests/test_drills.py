@@ -33,7 +33,7 @@ from stair_inspector.content.readings import STEP_READINGS
 from stair_inspector.content.schema import with_quantities
 from stair_inspector.viewer.compute.sensitivity import SWEPT_QUANTITIES
 from stair_inspector.viewer.parts.step_table_html import table_html
-from stair_inspector.viewer.parts.survey_html import card_html
+from stair_inspector.viewer.parts.steps.card_html import card_html
 from stair_inspector.viewer.parts.tune.comparison import compare, comparison_html
 from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.html import html_bytes

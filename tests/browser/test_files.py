@@ -13,7 +13,7 @@ from PIL import Image
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.files.paths import static_configs
 from tests.browser.conftest import HOSTILE_NAME
-from tests.browser.inspector_page import rows_of
+from tests.browser.inspector_page import SCENE_SHARPNESS, rows_of
 
 
 def shown(value, scale=1.0, digits=1):
@@ -76,9 +76,9 @@ def test_the_screenshot_opens_and_shows_the_steps(page):
     image = Image.open(io.BytesIO(content))
     box = page.canvas.bounding_box()
     assert image.format == "PNG"
-    # Twice as large as on the screen, and what is written on it stands above and below.
-    assert image.width == pytest.approx(2 * box["width"], abs=3)
-    assert image.height > 2 * box["height"]
+    # Twice as large as the scene is drawn, and what is written on it stands above and below.
+    assert image.width == pytest.approx(2 * SCENE_SHARPNESS * box["width"], abs=3)
+    assert image.height > 2 * SCENE_SHARPNESS * box["height"]
     pixels = np.asarray(image.convert("RGB")).astype(int)
     for color in read_palette("page").steps[:5]:
         assert (np.abs(pixels - np.array(color)).max(axis=2) <= 6).mean() > 0.0005, color

@@ -238,7 +238,7 @@ TURNS = {
 @pytest.mark.parametrize("n_steps", [2, *(pytest.param(each, marks=pytest.mark.slow) for each in (3, 5, 12, 30, 60))])
 def test_up_is_square_to_the_treads_of_two_to_sixty_risers(n_steps, has_wall, turn):
     # Beside 15 m of floor a tread of sixty holds 0.9 % of what faces up, a riser 1.7 % of what faces forward.
-    stair = Stair(n_steps=n_steps, floor_depth=15.0, risers=True, spacing=0.04, noise=0.001, seed=6)
+    stair = Stair(n_steps=n_steps, floor_depth=15.0, risers=True, spacing=0.025, noise=0.001, seed=6)
     points, normals = stair.sample()
     if has_wall:
         points, normals = with_a_wall(points, normals, n_steps * stair.going, n_steps * stair.rise + 2.0)
@@ -252,7 +252,7 @@ def test_up_is_square_to_the_treads_of_two_to_sixty_risers(n_steps, has_wall, tu
 )
 def test_a_long_stair_without_a_floor_is_told_by_the_way_its_levels_follow_each_other(turn):
     # Twice as many points on the risers, so that nothing but the pitch speaks for the treads.
-    stair = Stair(n_steps=40, floor_depth=0.3, risers=True, spacing=0.04, noise=0.001, seed=6)
+    stair = Stair(n_steps=40, floor_depth=0.3, risers=True, spacing=0.025, noise=0.001, seed=6)
     points, normals = stair.sample()
     more, their_normals = replace(stair, seed=7).sample()
     faces = np.abs(their_normals[:, 0]) > 0.9
