@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Floats, Ints
-from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.geometry.percentiles import mad_sigma
 from stair_inspector.geometry.trimmed import fit_trimmed, height_above
 from stair_inspector.stages.layers import FEWEST_ON_PLANE, FEWEST_PLANES, SAME_PLANE_M, Cells
 
@@ -171,7 +171,7 @@ def _distance(cells: Cells, cell: int, normal: Floats, of_point: Bools) -> _Dist
     points = cells.points[own]
     r = points @ normal
     off = r - np.where(is_second, np.median(r[is_second]), np.median(r[~is_second]))
-    is_near = np.abs(off) <= _BEYOND * max(_sigma(off), 1e-4)
+    is_near = np.abs(off) <= _BEYOND * max(mad_sigma(off), 1e-4)
     second = is_second[is_near].astype(np.float64)
     n_second = int(np.count_nonzero(second))
     if min(n_second, len(second) - n_second) < _FEWEST_OF_EACH:
@@ -183,10 +183,5 @@ def _distance(cells: Cells, cell: int, normal: Floats, of_point: Bools) -> _Dist
     design = np.column_stack([np.ones(len(across)), across @ axes.T, second])
     found = np.linalg.lstsq(design, r[is_near], rcond=None)[0]
     left_m = r[is_near] - design @ found
-    u_m = _sigma(left_m) * math.sqrt(1.0 / n_second + 1.0 / (len(second) - n_second))
+    u_m = mad_sigma(left_m) * math.sqrt(1.0 / n_second + 1.0 / (len(second) - n_second))
     return _Distance(float(found[3]), u_m, place)
-
-
-def _sigma(values: Floats) -> float:
-    """Return the robust standard deviation of values."""
-    return MAD_TO_SIGMA * float(np.median(np.abs(values - np.median(values))))
