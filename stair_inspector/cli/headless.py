@@ -2,7 +2,7 @@
 
 import os
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from stair_inspector.content.fields import ReportBasis
     from stair_inspector.files.projects import Project
     from stair_inspector.model import Inspection, Scan
+    from stair_inspector.writers.segmented import SegmentedFormat
 
 
 @dataclass(frozen=True)
@@ -151,13 +152,13 @@ def check_stems(paths: list[Path]) -> None:
             raise ConfigError(f"{path} and {other} would both be written as {path.stem}.json; measure them apart")
 
 
-def check_overwriting(paths: list[Path], folder: Path) -> None:
+def check_overwriting(paths: list[Path], folder: Path, segmented: "Sequence[SegmentedFormat]" = ()) -> None:
     """Raise when a result would take the place of a scan."""
     from stair_inspector.writers.inspection import result_paths
 
     scans = {path.resolve(): path for path in paths}
     for path in paths:
-        for result in result_paths(folder, path.stem):
+        for result in result_paths(folder, path.stem, segmented):
             if result.resolve() in scans:
                 raise ConfigError(f"{result}: this result would overwrite a scan; give another folder with -o")
 
@@ -213,11 +214,12 @@ def write_results(
     found: "Check | None",
     basis: "ReportBasis | None",
     made_at: datetime,
+    segmented: "Sequence[SegmentedFormat]" = (),
 ) -> str:
     """Write the files of measure, and the report if there is a basis for one, and say which."""
     from stair_inspector.writers.inspection import write_inspection
 
-    written = list(write_inspection(scan, inspection, folder, path.stem, found))
+    written = list(write_inspection(scan, inspection, folder, path.stem, found, segmented))
     if basis is not None:
         from stair_inspector.writers.report import write_report
 

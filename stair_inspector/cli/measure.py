@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 from typing_extensions import Doc
@@ -23,6 +23,13 @@ class MeasureScans(headless.Headless):
     """
 
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="DIR"), Doc("Folder for the results.")] = tyro.MISSING
+    segmented: Annotated[
+        tuple[Literal["laz", "ply"], ...],
+        Doc(
+            "Write the segmented scan too, DIR/STEM_segmented.laz or .ply or both: every used point with the fields "
+            "step, kind and residual_m."
+        ),
+    ] = ()
 
 
 def run(args: list[str]) -> int:
@@ -36,13 +43,13 @@ def run(args: list[str]) -> int:
     check_folder(measure.out)
     paths, worst = headless.paths_of(measure, "measure", project)
     headless.check_stems(paths)
-    headless.check_overwriting(paths, measure.out)
+    headless.check_overwriting(paths, measure.out, measure.segmented)
 
     def show(scan: "Scan", inspection: "Inspection", path: Path) -> int:
         from stair_inspector.writers.text import inspection_text
 
         found = headless.checked(inspection, rules)
-        wrote = headless.write_results(scan, inspection, measure.out, path, found, basis, made_at)
+        wrote = headless.write_results(scan, inspection, measure.out, path, found, basis, made_at, measure.segmented)
         say(f"{inspection_text(inspection)}\n  {wrote}\n")
         return 0
 

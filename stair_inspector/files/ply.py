@@ -1,11 +1,24 @@
 """Binary PLY files of coloured points, byte for byte the same for the same input."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from stair_inspector.geometry.arrays import Colors, Floats
 
+_KINDS = {"<f8": "double", "<f4": "float", "<i2": "short", "|u1": "uchar"}
+"""PLY's words for the types of numpy that are written."""
 
-def ply_bytes(points: Floats, colors: Colors | None = None, *, double: bool = True) -> bytes:
+
+def ply_bytes(
+    points: Floats,
+    colors: Colors | None = None,
+    *,
+    double: bool = True,
+    fields: Mapping[str, NDArray[np.generic]] | None = None,
+    comments: Sequence[str] = (),
+) -> bytes:
     """Return a little-endian binary PLY file.
 
     Parameters
@@ -16,17 +29,19 @@ def ply_bytes(points: Floats, colors: Colors | None = None, *, double: bool = Tr
         Red, green, blue.
     double : bool
         Write coordinates as float64; otherwise float32.
+    fields : mapping of name to (n,)
+        Further properties of each point, int16, uint8, float32 or float64; the name is PLY's.
+    comments : sequence of str
+        Lines of ascii for the header.
     """
-    fields = [(axis, "<f8" if double else "<f4") for axis in "xyz"]
+    columns: dict[str, NDArray[np.generic]] = dict(zip("xyz", points.T.astype("<f8" if double else "<f4"), strict=True))
     if colors is not None:
-        fields += [(channel, "u1") for channel in ("red", "green", "blue")]
-    rows = np.zeros(len(points), dtype=fields)
-    for axis, column in zip("xyz", points.T, strict=True):
-        rows[axis] = column
-    if colors is not None:
-        for channel, column in zip(("red", "green", "blue"), colors.T, strict=True):
-            rows[channel] = column
-    kinds = {"<f8": "double", "<f4": "float", "u1": "uchar"}
-    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
-    header += [f"property {kinds[kind]} {name}" for name, kind in fields]
+        columns |= dict(zip(("red", "green", "blue"), colors.T, strict=True))
+    columns |= fields or {}
+    rows = np.zeros(len(points), dtype=[(name, column.dtype) for name, column in columns.items()])
+    for name, column in columns.items():
+        rows[name] = column
+    header = ["ply", "format binary_little_endian 1.0", *(f"comment {text}" for text in comments)]
+    header.append(f"element vertex {len(points)}")
+    header += [f"property {_KINDS[column.dtype.str]} {name}" for name, column in columns.items()]
     return ("\n".join([*header, "end_header"]) + "\n").encode("ascii") + rows.tobytes()

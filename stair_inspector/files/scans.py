@@ -66,6 +66,7 @@ _HINT = (
 )
 
 
+_RESULT_ENDINGS = (".csv", "_debug.ply", "_segmented.ply", "_segmented.laz")
 _RESULT_MARK = b'"stair-inspector/inspection-1"'
 """Stands near the beginning of every JSON that ``measure`` writes."""
 
@@ -107,8 +108,8 @@ def find_scans(paths: Sequence[Path]) -> list[Path]:
 
 
 def _is_result(path: Path) -> bool:
-    """Return whether a file is a table or debug cloud of ours: our JSON lies beside it."""
-    stem = next((path.name.removesuffix(end) for end in (".csv", "_debug.ply") if path.name.endswith(end)), None)
+    """Return whether a file is a table or a cloud of ours: our JSON lies beside it."""
+    stem = next((path.name.removesuffix(end) for end in _RESULT_ENDINGS if path.name.endswith(end)), None)
     if stem is None:
         return False
     try:

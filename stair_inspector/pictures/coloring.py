@@ -8,11 +8,11 @@ from typing import Literal
 
 import numpy as np
 
+from stair_inspector.content.segmented_points import labels_at, residuals_at
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Palette, Rgb
-from stair_inspector.geometry.arrays import Colors, Floats, Ints, Labels
-from stair_inspector.geometry.fits import PlaneFit
-from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL, Inspection, Patch
+from stair_inspector.geometry.arrays import Colors, Floats
+from stair_inspector.model import Inspection, Patch
 from stair_inspector.pictures.display import REJECTED_COLOR, Display
 from stair_inspector.pictures.legends import Legend, Ramp, colors_on
 from stair_inspector.units import tidy
@@ -108,7 +108,7 @@ def color_points(
             raise ConfigError("colour by normal: the normals are not there yet; wait for the result, then try again")
         return _by_normal(normals[display.point_ids], axes)
     if mode == "Residual":
-        residuals = residuals_of(inspection, display)
+        residuals = residuals_at(inspection, display.points, display.point_ids)
         limit_m = residual_limit(residuals)
         return Coloring(color_residuals(residuals, limit_m), residual_legend(limit_m))
     return Coloring(display.colors, Legend("colours of the scan; grey where it has none"))
@@ -123,37 +123,6 @@ def step_colors(inspection: Inspection, display: Display, palette: Palette, *, w
         patch_ids = inspection.patch_ids[display.point_ids]
         colors[np.isin(patch_ids, [patch.patch_id for patch in rejected])] = REJECTED_COLOR
     return colors
-
-
-def labels_at(inspection: Inspection, point_ids: Ints) -> Labels:
-    """Return the label of each of these points: step, floor, or left over, to which a rejected level belongs too."""
-    labels = inspection.labels[point_ids]
-    return np.where(labels > len(inspection.steps), NON_STAIR_LABEL, labels).astype(np.int16)
-
-
-def residuals_of(inspection: Inspection, display: Display) -> Floats:
-    """Return the signed distance (m,) of each displayed point from its step's or the floor's plane, metres.
-
-    Positive above the plane; NaN for a point of no step, and for a surface without a plane.
-    """
-    labels = labels_at(inspection, display.point_ids)
-    residuals = np.full(len(labels), np.nan)
-    planes = [(step.step_id, step.plane) for step in inspection.steps]
-    if inspection.floor is not None:
-        planes.append((FLOOR_LABEL, inspection.floor))
-    for label, plane in planes:
-        rows = np.nonzero(labels == label)[0]
-        if plane.normal is not None:
-            residuals[rows] = signed_distance(inspection.places(display.points[rows], display.point_ids[rows]), plane)
-    return residuals
-
-
-def signed_distance(points: Floats, plane: PlaneFit) -> Floats:
-    """Return the distance (n,) of points from a plane that has a normal, metres, positive on the side it points to."""
-    if plane.normal is None:
-        raise ValueError("the plane has no normal")
-    distance: Floats = (points - plane.centroid) @ plane.normal
-    return distance
 
 
 def residual_limit(residuals: Floats) -> float:

@@ -11,11 +11,12 @@ from typing import Literal
 import numpy as np
 from PIL import Image, ImageDraw
 
+from stair_inspector.content.segmented_points import labels_at
 from stair_inspector.files.palettes import Palette, Rgb, read_palette
 from stair_inspector.geometry.arrays import Bools, Colors, Floats
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.pictures.cameras import View
-from stair_inspector.pictures.coloring import Coloring, ColorMode, color_points, labels_at
+from stair_inspector.pictures.coloring import Coloring, ColorMode, color_points
 from stair_inspector.pictures.display import REJECTED_COLOR, Display, choose_display
 from stair_inspector.pictures.lettering import Lettering
 from stair_inspector.pictures.picture import Caption, Scale, picture_png

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stair_inspector.content.segmented_points import signed_distance
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import Inspection, Scan, Step
-from stair_inspector.pictures.coloring import signed_distance
 from stair_inspector.pictures.frames import section_frame
 
 _SMALLEST_CELL_M, _LARGEST_CELL_M = 0.004, 0.05

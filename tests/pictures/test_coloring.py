@@ -1,10 +1,9 @@
 """Each colour tells what its legend says: read back from the colours themselves, point by point."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
+from stair_inspector.content.segmented_points import residuals_at
 from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.coloring import (
     COLOR_MODES,
@@ -16,7 +15,6 @@ from stair_inspector.pictures.coloring import (
     crease_of,
     residual_legend,
     residual_limit,
-    residuals_of,
     shade,
 )
 from stair_inspector.pictures.display import REJECTED_COLOR, choose_display, display_of
@@ -89,7 +87,7 @@ def test_by_normal_without_normals_is_a_sentence(measured):
 
 def test_the_residual_is_the_signed_distance_from_the_points_own_plane(measured):
     _, inspection, display = measured
-    residuals = residuals_of(inspection, display)
+    residuals = residuals_at(inspection, display.points, display.point_ids)
     labels = inspection.labels[display.point_ids]
     assert np.isnan(residuals[labels < 0]).all()
     assert np.isfinite(residuals[labels >= 0]).all()
@@ -101,7 +99,7 @@ def test_the_residual_is_the_signed_distance_from_the_points_own_plane(measured)
     row = int(np.nonzero(labels == 3)[0][0])
     lifted = display.points.copy()
     lifted[row] += 0.004 * inspection.steps[2].plane.normal
-    moved = residuals_of(inspection, dataclasses.replace(display, points=lifted))
+    moved = residuals_at(inspection, lifted, display.point_ids)
     assert moved[row] - residuals[row] == pytest.approx(0.004)
 
 
@@ -121,7 +119,7 @@ def test_above_is_red_below_is_blue_none_is_grey_and_beyond_the_end_is_the_end()
 
 def test_the_scale_of_residuals_is_the_same_to_both_sides_in_millimetres(measured):
     _, inspection, display = measured
-    limit_m = residual_limit(residuals_of(inspection, display))
+    limit_m = residual_limit(residuals_at(inspection, display.points, display.point_ids))
     assert color_points("Residual", inspection, display, PALETTE).legend == residual_legend(limit_m)
     legend = residual_legend(0.005)
     assert [words for _, words in legend.ramp.ticks] == ["−5", "−2.5", "0", "+2.5", "+5"]

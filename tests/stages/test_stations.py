@@ -6,9 +6,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from stair_inspector.content.segmented_points import residuals_at
 from stair_inspector.memo import Memo
 from stair_inspector.params import Params
-from stair_inspector.pictures.coloring import residuals_of
 from stair_inspector.pictures.display import choose_display
 from stair_inspector.pipeline import inspect
 from stair_inspector.simulate.scanner import scan as scan_building
@@ -150,7 +150,7 @@ def test_rises_are_right_where_stations_were_apart_and_the_width_says_what_is_no
     assert [width.value for width in widths] == pytest.approx([1.1] * 5, abs=max(width.u for width in widths))
     # Colours show the points where they were measured.
     display = choose_display(scan, 50_000)
-    residuals = residuals_of(found, display)
+    residuals = residuals_at(found, display.points, display.point_ids)
     assert np.nanpercentile(np.abs(residuals), 99.0) < 0.006
     as_read = inspect(scan, Params(stations="as_read"), memo)
     assert max(step.rise_m.u for step in as_read.steps if step.rise_m) > 0.01

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stair_inspector.content.segmented_points import labels_at, residuals_at
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import FLOOR_LABEL, Inspection
-from stair_inspector.pictures.coloring import labels_at, residuals_of
 from stair_inspector.pictures.display import Display
 
 _REACH_PIXELS = 8.0
@@ -92,11 +92,11 @@ def point_at_click(points: Floats, ray: Ray, cone: float) -> int | None:
 
 def pick_of(inspection: Inspection, display: Display, row: int) -> Pick:
     """Return what lies at a displayed point."""
-    only = Display(display.point_ids[row : row + 1], display.points[row : row + 1], display.colors[row : row + 1], 0.0)
-    label = int(labels_at(inspection, only.point_ids)[0])
-    residual = float(residuals_of(inspection, only)[0])
+    rows, points = display.point_ids[row : row + 1], display.points[row : row + 1]
+    label = int(labels_at(inspection, rows)[0])
+    residual = float(residuals_at(inspection, points, rows)[0])
     # Where it lay when it was measured: only so is a length right between points of stations laid onto each other.
-    place = inspection.places(only.points, only.point_ids)[0]
+    place = inspection.places(points, rows)[0]
     x, y, z = (float(value) for value in place + np.array(inspection.scan.origin_m))
     return Pick((x, y, z), label if label >= FLOOR_LABEL else None, None if math.isnan(residual) else residual)
 

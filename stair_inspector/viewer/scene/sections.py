@@ -6,10 +6,10 @@ from typing import Literal
 
 import numpy as np
 
+from stair_inspector.content.segmented_points import labels_at
 from stair_inspector.errors import ConfigError
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, Labels
 from stair_inspector.model import Inspection, Scan, Step
-from stair_inspector.pictures.coloring import labels_at
 from stair_inspector.pictures.display import Display, display_of
 from stair_inspector.pictures.frames import SectionFrame
 

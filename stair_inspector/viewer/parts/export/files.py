@@ -35,6 +35,7 @@ from stair_inspector.viewer.scene.stage import Mode
 from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.debug_ply import debug_ply_bytes
 from stair_inspector.writers.json import json_bytes
+from stair_inspector.writers.segmented import segmented_bytes
 
 CURRENT_VIEW: Literal["Current"] = "Current"
 SIZES = {"screen": 1, "2 ×": 2, "4 ×": 4}
@@ -58,6 +59,9 @@ class Downloads:
         self._add("CSV", viser.Icon.TABLE, "One row for each step, millimetres and degrees.")
         self._add("JSON", viser.Icon.BRACES, "Everything: settings, levels, steps, notes; metres and degrees.")
         self._add("Debug PLY", viser.Icon.CUBE, "The scan in the paper's colours with its edges.")
+        fields = "Every point with step, kind and residual_m as fields"
+        self._add("Segmented LAZ", viser.Icon.STAIRS, f"{fields}; coordinates to 0.1 mm.")
+        self._add("Segmented PLY", viser.Icon.STAIRS, f"{fields}; exact coordinates.")
 
     def add_pictures(self) -> None:
         """Add the folder for pictures of the scene."""
@@ -95,6 +99,8 @@ class Downloads:
             "CSV": (".csv", lambda _: csv_bytes(marked or shown.inspection)),
             "JSON": (".json", lambda _: json_bytes(marked or shown.inspection, check)),
             "Debug PLY": ("_debug.ply", lambda _: debug_ply_bytes(shown.scan, shown.inspection)),
+            "Segmented LAZ": ("_segmented.laz", lambda _: segmented_bytes(shown.scan, shown.inspection, "laz")),
+            "Segmented PLY": ("_segmented.ply", lambda _: segmented_bytes(shown.scan, shown.inspection, "ply")),
             "Screenshot PNG": (".png", lambda tell: self._picture(shown, tell)),
             "All views ZIP": ("_views.zip", lambda tell: self._all_views(shown, tell)),
             "Project file": (".stair.json", lambda _: self._project()),

@@ -13,6 +13,7 @@ from PIL import Image
 from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.cameras import VIEWS
 from stair_inspector.viewer.compute.runs import Progress
+from stair_inspector.writers.segmented import segmented_bytes
 from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
 
@@ -126,6 +127,15 @@ def test_a_second_picture_is_refused_at_once_and_the_first_can_be_cancelled(sess
     await_that(lambda: not session.making._one_at_a_time.locked(), "the picture does not end")
     assert files == {}
     assert len(camera.sizes) == 1
+
+
+def test_the_segmented_scan_is_sent_as_laz_and_as_ply(session, files):
+    for kind in ("Segmented LAZ", "Segmented PLY"):
+        part_of(session, "export").downloads.download(kind)
+    shown = session.desk.shown
+    assert files == {
+        f"stair_segmented.{form}": segmented_bytes(shown.scan, shown.inspection, form) for form in ("laz", "ply")
+    }
 
 
 # Progress.
