@@ -20,10 +20,10 @@ from stair_inspector.memo import Memo
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.quantities import SURVEY_VALUES
-from stair_inspector.simulate.scanner import scan as scan_building
-from stair_inspector.simulate.scanner_specs import PROFILES
-from stair_inspector.simulate.scenes import SCENES
-from stair_inspector.simulate.staircase import build
+from stair_inspector.simulation.scanner import scan as scan_building
+from stair_inspector.simulation.scanner_specs import PROFILES
+from stair_inspector.simulation.scenes import SCENES
+from stair_inspector.simulation.staircase import build
 from tests.benchmarks import accuracy
 from tests.benchmarks.accuracy import CASES, EVEN, QUANTITIES, found_values, match, true_values
 from tests.synthetic import Stair, exact_params, make_scan, motion, rotation

@@ -15,10 +15,10 @@ import pytest
 from stair_inspector.overrules import NAMED_UP
 from stair_inspector.params import KNOWN_UNITS, FloorParams, NormalsParams, Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.simulate.scanner import scan as scan_building
-from stair_inspector.simulate.scanner_specs import PROFILES
-from stair_inspector.simulate.specs import Stair
-from stair_inspector.simulate.staircase import build
+from stair_inspector.simulation.scanner import scan as scan_building
+from stair_inspector.simulation.scanner_specs import PROFILES
+from stair_inspector.simulation.specs import Stair
+from stair_inspector.simulation.staircase import build
 from stair_inspector.stages.orient import find_normals, find_up
 from stair_inspector.stages.units import decide_unit
 from stair_inspector.units import METRES_PER_UNIT

@@ -10,8 +10,8 @@ from typing_extensions import Doc
 from stair_inspector.cli.arguments import Debug, check_folder, parse_arguments, value_of
 from stair_inspector.cli.output import say
 from stair_inspector.errors import ConfigError
-from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulation.specs import Stair
 
 
 @dataclass(frozen=True)

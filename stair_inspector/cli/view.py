@@ -48,7 +48,7 @@ def run(args: list[str]) -> int:
     from stair_inspector.files.paths import sample_scans
     from stair_inspector.files.scans import find_scans
     from stair_inspector.geometry.open3d import check_system_libraries
-    from stair_inspector.simulate.samples import DEFAULT_SAMPLE
+    from stair_inspector.simulation.samples import DEFAULT_SAMPLE
 
     # Said in the terminal now, not on the page after the first scan.
     check_system_libraries()

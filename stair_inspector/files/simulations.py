@@ -13,11 +13,11 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.simulate.samples import SAMPLES
-from stair_inspector.simulate.scanner import SimulatedScan, scan
-from stair_inspector.simulate.scanner_specs import Scanner
-from stair_inspector.simulate.specs import Stair
-from stair_inspector.simulate.staircase import build, output_from_stair
+from stair_inspector.simulation.samples import SAMPLES
+from stair_inspector.simulation.scanner import SimulatedScan, scan
+from stair_inspector.simulation.scanner_specs import Scanner
+from stair_inspector.simulation.specs import Stair
+from stair_inspector.simulation.staircase import build, output_from_stair
 
 TRUTH_SCHEMA = "stair-inspector/truth-1"
 

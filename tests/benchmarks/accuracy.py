@@ -22,11 +22,11 @@ from stair_inspector.memo import Memo
 from stair_inspector.model import Inspection
 from stair_inspector.params import Params, UncertaintyParams
 from stair_inspector.pipeline import inspect
-from stair_inspector.simulate.scanner import scan as scan_building
-from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
-from stair_inspector.simulate.scenes import SCENES
-from stair_inspector.simulate.specs import Stair
-from stair_inspector.simulate.staircase import Building, StepTruth, build, output_from_stair
+from stair_inspector.simulation.scanner import scan as scan_building
+from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulation.scenes import SCENES
+from stair_inspector.simulation.specs import Stair
+from stair_inspector.simulation.staircase import Building, StepTruth, build, output_from_stair
 from tests.synthetic import make_scan
 
 

@@ -15,8 +15,8 @@ from pathlib import Path
 
 from stair_inspector.files.simulations import simulate_to_file
 from stair_inspector.params import Params
-from stair_inspector.simulate.scanner_specs import Scanner
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.scanner_specs import Scanner
+from stair_inspector.simulation.specs import Stair
 from tests.browser.inspector_page import ARGUMENTS, InspectorPage, find_browser
 
 BUDGET_MS = 300.0

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stair_inspector.simulate.shapes import COLOURS, Building, BuildingPart, BuiltSurface, Shapes
+from stair_inspector.simulation.shapes import COLOURS, Building, BuildingPart, BuiltSurface, Shapes
 
 FLOOR_M = 2.2
 LANDING_M = 1.5

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stair_inspector.overrules import NAMED_UP
-from stair_inspector.simulate.scanner import SimulatedScan
-from stair_inspector.simulate.scanner import scan as scan_building
-from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
-from stair_inspector.simulate.scenes import SCENES
-from stair_inspector.simulate.specs import Stair
-from stair_inspector.simulate.staircase import build, output_from_stair
+from stair_inspector.simulation.scanner import SimulatedScan
+from stair_inspector.simulation.scanner import scan as scan_building
+from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulation.scenes import SCENES
+from stair_inspector.simulation.specs import Stair
+from stair_inspector.simulation.staircase import build, output_from_stair
 from stair_inspector.units import METRES_PER_UNIT
 from tests.benchmarks import hostile_buildings as buildings
 from tests.synthetic import rotation

@@ -9,8 +9,8 @@ from stair_inspector.files.scans import read_scan
 from stair_inspector.files.simulations import simulate_to_file
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.simulate.scanner_specs import Scanner
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.scanner_specs import Scanner
+from stair_inspector.simulation.specs import Stair
 from tests.browser.inspector_page import ARGUMENTS, OPENED, InspectorPage, find_browser
 from tests.conftest import REPLACED
 from tests.heavy_process import heavy_process, servers_share_a_process  # noqa: F401 - fixtures

@@ -4,8 +4,8 @@ import pytest
 
 from stair_inspector.files.simulations import simulate_to_file
 from stair_inspector.params import Params
-from stair_inspector.simulate.scanner_specs import Scanner
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.scanner_specs import Scanner
+from stair_inspector.simulation.specs import Stair
 from stair_inspector.viewer.app import App
 from tests.browser.inspector_page import click_at_once
 

@@ -6,8 +6,8 @@ import pytest
 
 from stair_inspector.files.simulations import simulate_to_file
 from stair_inspector.params import Params
-from stair_inspector.simulate.scanner_specs import Scanner
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.scanner_specs import Scanner
+from stair_inspector.simulation.specs import Stair
 
 
 def test_the_browsers_tab_names_the_scan(page):

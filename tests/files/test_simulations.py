@@ -9,12 +9,12 @@ import pytest
 from stair_inspector.errors import ConfigError, WriteError
 from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.simulations import simulate_to_file, truth_of, write_samples, write_simulation
-from stair_inspector.simulate.samples import SAMPLES
-from stair_inspector.simulate.scanner import scan
-from stair_inspector.simulate.scanner_specs import Scanner
-from stair_inspector.simulate.scenes import SCENES
-from stair_inspector.simulate.specs import Stair
-from stair_inspector.simulate.staircase import build
+from stair_inspector.simulation.samples import SAMPLES
+from stair_inspector.simulation.scanner import scan
+from stair_inspector.simulation.scanner_specs import Scanner
+from stair_inspector.simulation.scenes import SCENES
+from stair_inspector.simulation.specs import Stair
+from stair_inspector.simulation.staircase import build
 
 COARSE = Scanner(azimuth_step_deg=1.0, elevation_step_deg=1.0)
 QUICK_SAMPLE = "handheld_noisy"

@@ -9,7 +9,7 @@ import pytest
 from stair_inspector.geometry.rims import find_rim_edge
 from stair_inspector.params import HorizontalParams, NormalsParams, Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.simulate.scanner import scan as scan_building
+from stair_inspector.simulation.scanner import scan as scan_building
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient
 from stair_inspector.stages.bars import join_bars

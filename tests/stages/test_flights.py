@@ -7,7 +7,7 @@ import pytest
 
 from stair_inspector.geometry.plan import angle_deg
 from stair_inspector.params import FlightsParams, PatchesParams
-from stair_inspector.simulate.scenes import stacked_boxes
+from stair_inspector.simulation.scenes import stacked_boxes
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.links import depth_along
 from stair_inspector.stages.rejects import Forced

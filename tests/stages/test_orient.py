@@ -8,8 +8,8 @@ import pytest
 from stair_inspector.errors import CannotMeasure, ConfigError
 from stair_inspector.model import Normals, Up
 from stair_inspector.params import FloorParams, NormalsParams
-from stair_inspector.simulate.scanner import scan as scan_building
-from stair_inspector.simulate.staircase import build
+from stair_inspector.simulation.scanner import scan as scan_building
+from stair_inspector.simulation.staircase import build
 from stair_inspector.stages.orient import find_normals, find_up, order_by_height
 from tests.benchmarks.accuracy import CLASSES, EVEN
 from tests.synthetic import Stair, make_scan, motion, rotation

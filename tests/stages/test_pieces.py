@@ -8,7 +8,7 @@ import pytest
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
-from stair_inspector.simulate.scanner import scan as scan_building
+from stair_inspector.simulation.scanner import scan as scan_building
 from tests.benchmarks import hostile_buildings as buildings
 from tests.benchmarks.hostile_kinds import TLS
 from tests.synthetic import Stair, make_scan, rotation

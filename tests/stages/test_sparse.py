@@ -10,11 +10,11 @@ from stair_inspector.files.settings import find_preset
 from stair_inspector.model import Scan
 from stair_inspector.params import LevelsParams, PatchesParams
 from stair_inspector.pipeline import inspect
-from stair_inspector.simulate.scanner import scan as scan_building
-from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
-from stair_inspector.simulate.scenes import SCENES
-from stair_inspector.simulate.specs import Stair
-from stair_inspector.simulate.staircase import build
+from stair_inspector.simulation.scanner import scan as scan_building
+from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulation.scenes import SCENES
+from stair_inspector.simulation.specs import Stair
+from stair_inspector.simulation.staircase import build
 from stair_inspector.stages import orient
 from stair_inspector.stages.levels import select_horizontal
 from stair_inspector.stages.sparse import find_sparse, follow_spacing

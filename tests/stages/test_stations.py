@@ -11,10 +11,10 @@ from stair_inspector.memo import Memo
 from stair_inspector.params import Params
 from stair_inspector.pictures.display import choose_display
 from stair_inspector.pipeline import inspect
-from stair_inspector.simulate.scanner import scan as scan_building
-from stair_inspector.simulate.scanner_specs import PROFILES
-from stair_inspector.simulate.specs import Stair
-from stair_inspector.simulate.staircase import build
+from stair_inspector.simulation.scanner import scan as scan_building
+from stair_inspector.simulation.scanner_specs import PROFILES
+from stair_inspector.simulation.specs import Stair
+from stair_inspector.simulation.staircase import build
 from stair_inspector.stages.examine import examine
 from stair_inspector.stages.stations import join_stations
 from stair_inspector.viewer.scene.picking import pick_of

@@ -11,8 +11,8 @@ from websockets.sync.client import connect
 
 from stair_inspector.files.simulations import simulate_to_file
 from stair_inspector.params import Params
-from stair_inspector.simulate.scanner_specs import Scanner
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.scanner_specs import Scanner
+from stair_inspector.simulation.specs import Stair
 from stair_inspector.viewer.app import App
 
 SCANNER = Scanner(max_points=6_000, azimuth_step_deg=0.3, elevation_step_deg=0.3, spacing_m=0.01, noise_m=0.002)

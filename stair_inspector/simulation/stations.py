@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector.geometry.arrays import Point
-from stair_inspector.simulate.scanner_specs import Scanner
-from stair_inspector.simulate.shapes import Building
+from stair_inspector.simulation.scanner_specs import Scanner
+from stair_inspector.simulation.shapes import Building
 
 _ASIDE = 0.1  # Stations stand this share of the width beside the way, left and right in turn.
 

@@ -14,13 +14,13 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Colors, Floats, Ints, Labels, Point, own
 from stair_inspector.model import NON_STAIR_LABEL
-from stair_inspector.simulate.holes import lies_in_hole, place_on_surface
-from stair_inspector.simulate.merging import ScanReturns, smooth_over, thin_out
-from stair_inspector.simulate.rays import MISS, RayCaster, cross_rows, dot_rows
-from stair_inspector.simulate.scanner_specs import Scanner
-from stair_inspector.simulate.shapes import Building
-from stair_inspector.simulate.staircase import output_from_stair
-from stair_inspector.simulate.stations import Station, place_stations
+from stair_inspector.simulation.holes import lies_in_hole, place_on_surface
+from stair_inspector.simulation.merging import ScanReturns, smooth_over, thin_out
+from stair_inspector.simulation.rays import MISS, RayCaster, cross_rows, dot_rows
+from stair_inspector.simulation.scanner_specs import Scanner
+from stair_inspector.simulation.shapes import Building
+from stair_inspector.simulation.staircase import output_from_stair
+from stair_inspector.simulation.stations import Station, place_stations
 
 _RAYS_AT_ONCE = 1_000_000
 _RAYS_PER_SQUARE = 5.0  # Left before thinning; one square in 150 is then empty by chance.

@@ -11,9 +11,9 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Point
 from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL
-from stair_inspector.simulate.footprints import Flat
-from stair_inspector.simulate.shapes import COLOURS, Building, BuildingPart, BuiltSurface, Shapes
-from stair_inspector.simulate.tops import around, upright_face
+from stair_inspector.simulation.footprints import Flat
+from stair_inspector.simulation.shapes import COLOURS, Building, BuildingPart, BuiltSurface, Shapes
+from stair_inspector.simulation.tops import around, upright_face
 
 _WALL_M = 2.5
 _BOARD_M = 0.02

@@ -9,10 +9,10 @@ import pytest
 
 from stair_inspector.declarations import fields_of
 from stair_inspector.errors import ConfigError
-from stair_inspector.simulate.samples import DEFAULT_SAMPLE, SAMPLES
-from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
-from stair_inspector.simulate.spec_texts import parse_errors, parse_offset, parse_steps
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.samples import DEFAULT_SAMPLE, SAMPLES
+from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulation.spec_texts import parse_errors, parse_offset, parse_steps
+from stair_inspector.simulation.specs import Stair
 
 
 @pytest.mark.parametrize(
@@ -185,7 +185,7 @@ def test_samples_cover_what_was_asked():
 
 def test_specs_import_nothing_heavy():
     code = (
-        "import sys, stair_inspector.simulate.samples\n"
+        "import sys, stair_inspector.simulation.samples\n"
         "print([name for name in ('numpy', 'trimesh', 'open3d') if name in sys.modules])"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

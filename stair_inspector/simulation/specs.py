@@ -12,7 +12,7 @@ from typing_extensions import Doc
 
 from stair_inspector.declarations import DEGREES, METRES, MM, Group, Knob
 from stair_inspector.errors import ConfigError
-from stair_inspector.simulate.spec_texts import parse_errors, parse_offset, parse_steps
+from stair_inspector.simulation.spec_texts import parse_errors, parse_offset, parse_steps
 
 WallSides = Literal["none", "left", "right", "both"]
 Shape = Literal["straight", "curved", "winder", "spiral"]

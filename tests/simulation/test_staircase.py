@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from stair_inspector.simulate.layout import lay_out
-from stair_inspector.simulate.specs import SLAB_M, Stair
-from stair_inspector.simulate.staircase import build, output_from_stair
+from stair_inspector.simulation.layout import lay_out
+from stair_inspector.simulation.specs import SLAB_M, Stair
+from stair_inspector.simulation.staircase import build, output_from_stair
 
 
 def vertices_of(building, part, level=None):

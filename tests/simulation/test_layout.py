@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from stair_inspector.simulate.layout import SHARES_FROM_LEFT, lay_out, way_up
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.layout import SHARES_FROM_LEFT, lay_out, way_up
+from stair_inspector.simulation.specs import Stair
 
 RISE = 0.17
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints, Point, own
 from stair_inspector.model import NON_STAIR_LABEL
-from stair_inspector.simulate.footprints import Flat
-from stair_inspector.simulate.layout import StepTruth
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.footprints import Flat
+from stair_inspector.simulation.layout import StepTruth
+from stair_inspector.simulation.specs import Stair
 
 BuildingPart = Literal[
     "floor", "tread", "landing", "riser", "nosing", "side", "beam", "post", "wall", "ceiling", "clutter"

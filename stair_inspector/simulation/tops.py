@@ -6,10 +6,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints, Point
-from stair_inspector.simulate.footprints import Flat, Footprint, along, square_to, without_repeats
-from stair_inspector.simulate.layout import StepTruth
-from stair_inspector.simulate.shapes import COLOURS, BuiltSurface, Shapes
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.footprints import Flat, Footprint, along, square_to, without_repeats
+from stair_inspector.simulation.layout import StepTruth
+from stair_inspector.simulation.shapes import COLOURS, BuiltSurface, Shapes
+from stair_inspector.simulation.specs import Stair
 
 Ring = tuple[Flat, ...]
 _STRIP_M = 0.05  # Depth of the contrasting strip at a nosing.

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
-from stair_inspector.simulate.specs import Stair
+from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulation.specs import Stair
 
 DEFAULT_SAMPLE = "straight"
 """The sample that the program opens when it is given no scan."""

@@ -5,8 +5,8 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from stair_inspector.simulate.spec_texts import parse_errors
-from stair_inspector.simulate.specs import N_WINDERS, Stair
+from stair_inspector.simulation.spec_texts import parse_errors
+from stair_inspector.simulation.specs import N_WINDERS, Stair
 
 Flat = tuple[float, float]
 POST_RADIUS_M = 0.05

@@ -11,12 +11,12 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Point
 from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL
-from stair_inspector.simulate.footprints import POST_RADIUS_M, Flat, along, shifted
-from stair_inspector.simulate.layout import StepTruth, lay_out, way_up
-from stair_inspector.simulate.shapes import COLOURS, Building, BuiltSurface, Shapes
-from stair_inspector.simulate.spec_texts import parse_offset
-from stair_inspector.simulate.specs import SLAB_M, Stair
-from stair_inspector.simulate.tops import SAME_M, add_top, upright_face
+from stair_inspector.simulation.footprints import POST_RADIUS_M, Flat, along, shifted
+from stair_inspector.simulation.layout import StepTruth, lay_out, way_up
+from stair_inspector.simulation.shapes import COLOURS, Building, BuiltSurface, Shapes
+from stair_inspector.simulation.spec_texts import parse_offset
+from stair_inspector.simulation.specs import SLAB_M, Stair
+from stair_inspector.simulation.tops import SAME_M, add_top, upright_face
 
 __all__ = ["Building", "BuiltSurface", "Point", "StepTruth", "build", "lay_out", "output_from_stair"]
 _BEAM_M = (0.06, 0.2)  # Width and height of the two beams that carry treads without risers.

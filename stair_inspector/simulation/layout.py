@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from stair_inspector.geometry.arrays import Point
-from stair_inspector.simulate.footprints import (
+from stair_inspector.simulation.footprints import (
     PARALLEL,
     Flat,
     Footprint,
@@ -22,8 +22,8 @@ from stair_inspector.simulate.footprints import (
     shifted,
     square_to,
 )
-from stair_inspector.simulate.spec_texts import parse_errors, parse_steps
-from stair_inspector.simulate.specs import N_WINDERS, Shape, Stair
+from stair_inspector.simulation.spec_texts import parse_errors, parse_steps
+from stair_inspector.simulation.specs import N_WINDERS, Shape, Stair
 
 Three = tuple[float, float, float]
 SHARES_FROM_LEFT = (0.15, 0.5, 0.85)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Colors, Floats, Ints, Labels
-from stair_inspector.simulate.rays import dot_rows
+from stair_inspector.simulation.rays import dot_rows
 
 _PAIRS_AT_ONCE = 4_000_000
 

@@ -6,11 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from stair_inspector.simulate.rays import RayCaster
-from stair_inspector.simulate.scanner import scan
-from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
-from stair_inspector.simulate.specs import Stair
-from stair_inspector.simulate.staircase import build
+from stair_inspector.simulation.rays import RayCaster
+from stair_inspector.simulation.scanner import scan
+from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulation.specs import Stair
+from stair_inspector.simulation.staircase import build
 
 EXACT = Scanner(
     stations=3,

@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from stair_inspector.simulate.scanner import scan
-from stair_inspector.simulate.scanner_specs import PROFILES, Scanner
-from stair_inspector.simulate.scenes import SCENES
+from stair_inspector.simulation.scanner import scan
+from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
+from stair_inspector.simulation.scenes import SCENES
 
 COARSE = Scanner(
     stations=3,

@@ -5,7 +5,7 @@ import numpy as np
 from stair_inspector.geometry.arrays import Floats, Ints, Point
 from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import NON_STAIR_LABEL
-from stair_inspector.simulate.shapes import Building
+from stair_inspector.simulation.shapes import Building
 
 MISS = -1
 _AROUND = tuple((row, column) for row in (-1, 0, 1) for column in (-1, 0, 1) if (row, column) != (0, 0))

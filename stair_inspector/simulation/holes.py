@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Floats, Ints
-from stair_inspector.simulate.rays import RayCaster
-from stair_inspector.simulate.scanner_specs import Scanner
+from stair_inspector.simulation.rays import RayCaster
+from stair_inspector.simulation.scanner_specs import Scanner
 
 _SQUARES_TURN_DEG = 27.0  # Merging programs know nothing of the stair: no row of squares may follow one of its edges.
 _HOLE_M = 0.05  # Side of the patches in which a surface returns nothing.
