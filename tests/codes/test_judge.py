@@ -15,7 +15,7 @@ from stair_inspector.content.check_records import check_record
 from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.rule_sets import find_rule_set
-from stair_inspector.model import Measured
+from stair_inspector.model import Measured, Observation
 from stair_inspector.writers.text import check_text
 from tests.codes.flights import USUAL, changed, even, flight_of, inspection_of, measured, step
 from tests.codes.test_rules import rule, rule_set
@@ -77,6 +77,14 @@ def test_the_decision_rules_never_disagree_about_the_side(rise, u):
     if guarded.verdict is Verdict.WITHIN:
         assert rise - u >= 0.1 - 1e-8
         assert rise + u <= 0.17 + 1e-8
+
+
+def test_a_value_as_far_from_its_limit_as_its_u_is_not_close():
+    """0.103 - 0.1 is a hair less than 0.003 in binary."""
+    least = rule(minimum=Limit.of("100", "mm"), maximum=None)
+    for rise, verdict in ((0.103, Verdict.WITHIN), (0.10299, Verdict.WITHIN_CLOSE)):
+        inspection = inspection_of(changed(even(rise=0.15), 3, rise_m=measured(rise, 0.003)))
+        assert judged(inspection, least).of_step(3)[0].verdict is verdict
 
 
 def test_the_nearest_limit_decides():
@@ -221,6 +229,25 @@ def test_a_float_on_the_limit_is_inside():
     assert (found.verdict, found.margin) == (Verdict.WITHIN, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"severity": "report_only", "applies": "schools"}, "applies to schools"),
+        ({"severity": "report_only"}, "reported without a judgement"),
+        ({"from_scan": "partly"}, "inside the limit; the scan shows only a part of what the clause limits"),
+    ],
+)
+def test_what_is_only_reported_says_why(values, words):
+    found = judged(inspection_of(even(rise=0.15)), dataclasses.replace(RISER, **values)).findings[0]
+    assert (found.verdict, found.reason) == (Verdict.REPORTED, words)
+
+
+def test_a_doubt_about_a_value_that_is_only_reported_is_said_with_it():
+    silent = dataclasses.replace(RISER, severity="report_only")
+    note = ("nosing_unobserved", "the nosing of step 2 was not seen", 2)
+    assert judged(inspection_of(even(), notes=[note]), silent).of_step(2)[0].reason == note[1]
+
+
 # --- not measured, not judged --------------------------------------------------------------------------------------
 
 
@@ -241,6 +268,18 @@ def test_the_papers_values_are_not_judged():
     result = judged(inspection_of(even(), []), RISER)
     assert result.findings[0].verdict is Verdict.NOT_MEASURED
     assert "the paper's method measures nothing from nosing to nosing" in result.findings[0].reason
+
+
+def test_nothing_is_judged_before_a_question_about_the_scan_is_answered():
+    asked = Observation("unit_unsure", "question", "inches or centimetres: both fit", None, "--unit in")
+    held = dataclasses.replace(inspection_of(even(rise=0.2)), examination=(asked,))
+    result = judged(held, RISER, RANGE)
+    reason = "a question about the scan has to be answered first: inches or centimetres: both fit"
+    assert {(found.verdict, found.value, found.reason) for found in result.findings} == {
+        (Verdict.NOT_JUDGED, None, reason)
+    }
+    assert not result.is_judged
+    assert not result.is_outside
 
 
 @pytest.mark.parametrize("shape", ["winder", "spiral"])
@@ -265,6 +304,12 @@ def test_of_a_curved_flight_the_rises_and_how_even_the_goings_are_is_judged_but_
     (spread,) = result.of_rule("even-goings")
     assert spread.verdict is Verdict.OUTSIDE
     assert spread.reason == "measured on the middle line of a flight that curves"
+    # Rises are the same on every line, and so are the goings of a straight flight beside it.
+    assert {found.reason for found in result.of_rule("riser")} == {""}
+    beside = [dataclasses.replace(each, step_id=each.step_id + 6, flight=2) for each in even(u=0.0002)]
+    flights = [flight_of(steps, "curved"), flight_of(beside, flight_id=2)]
+    both = judged(inspection_of([*steps, *beside], flights), even_goings)
+    assert [found.reason for found in both.findings] == [spread.reason, ""]
 
 
 def test_a_flight_that_goes_on_is_not_within_by_what_was_measured_of_it():
@@ -578,6 +623,11 @@ def test_whether_a_scan_is_fit_heeds_the_u_that_decided():
     assert result.fits[0].u == found.u
 
 
+def test_a_size_outside_its_limit_is_as_fit_as_its_u_says():
+    (fit,) = judged(inspection_of(even(rise=0.18, u=0.001)), RISER).fits
+    assert (fit.is_fit, fit.u) == (True, 0.001)
+
+
 def test_a_limit_at_what_is_intended_cannot_be_decided():
     least = rule("least", quantity="nosing_overhang", minimum=Limit.of("0", "mm"), maximum=None, severity="advisory")
     fit = judged(inspection_of(even(u=0.0005)), least).fits[0]
@@ -644,6 +694,9 @@ def test_what_a_scan_shows_only_partly_is_said_with_the_check():
         note="The treads' width.",
     )
     assert judged(inspection_of(even()), width).notes == ("clear width: The treads' width.",)
+    # A remark on a rule of which the scan shows all is none on what it does not show.
+    whole = dataclasses.replace(RISER, note="Measured at the nosings.")
+    assert judged(inspection_of(even()), whole, dataclasses.replace(width, note="")).notes == ()
 
 
 def test_a_tread_wide_enough_is_no_clear_width_and_one_too_narrow_is_outside():
