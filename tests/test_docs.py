@@ -1,5 +1,6 @@
 """README and reference pages: their links lead somewhere, their examples run, and the README stays short and plain."""
 
+import doctest
 import re
 import shlex
 import tomllib
@@ -85,6 +86,18 @@ def test_the_readme_counts_the_rule_sets():
 def test_toml_examples_can_be_read(page):
     for block in blocks(page, "toml"):
         assert tomllib.loads(block)
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in (README, *PAGES) if blocks(page, "python")], ids=lambda page: page.stem
+)
+def test_python_examples_run(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "stair.ply").write_bytes(ply_bytes(Stair(n_steps=4, noise=0.002).sample()[0]))
+    examples = doctest.DocTestParser().get_doctest("\n".join(blocks(page, "python")), {}, page.stem, str(page), 0)
+    done = doctest.DocTestRunner().run(examples)
+    assert done.attempted > 0
+    assert done.failed == 0
 
 
 def console_examples():

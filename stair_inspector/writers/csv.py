@@ -2,6 +2,7 @@
 
 import csv
 import io
+from collections.abc import Iterable
 from typing import Any
 
 from stair_inspector.content.cells import millimetres
@@ -15,8 +16,13 @@ def csv_bytes(inspection: Inspection) -> bytes:
     stream = io.StringIO(newline="")
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(CSV_COLUMNS)
-    writer.writerows(_row_of(step, above) for step, above in with_above(inspection.steps))
+    writer.writerows(csv_rows(inspection))
     return stream.getvalue().encode("utf-8")
+
+
+def csv_rows(inspection: Inspection) -> Iterable[list[Any]]:
+    """Yield the cells of every step, from the bottom to the top, in the order of :data:`CSV_COLUMNS`."""
+    return (_row_of(step, above) for step, above in with_above(inspection.steps))
 
 
 def _row_of(step: Step, above: Step | None) -> list[Any]:
@@ -34,8 +40,8 @@ def _row_of(step: Step, above: Step | None) -> list[Any]:
     ]
 
 
-def _column(name: str) -> str:
-    """Return a column's name in the table's unit: millimetres for metres."""
+def csv_column(name: str) -> str:
+    """Return a column's name in the table's unit: ``rise_mm`` for ``rise_m``."""
     return name.removesuffix("_m") + "_mm" if name.endswith("_m") else name
 
 
@@ -48,5 +54,5 @@ _SI_COLUMNS = (
 )
 
 
-CSV_COLUMNS = [_column(name) for name in _SI_COLUMNS]
+CSV_COLUMNS = [csv_column(name) for name in _SI_COLUMNS]
 """Names of the CSV's columns, in order."""

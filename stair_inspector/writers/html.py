@@ -99,7 +99,7 @@ def html_bytes(document: Document) -> bytes:
         '<meta name="referrer" content="no-referrer">\n',
         f"<title>{_text(document.title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n<main>\n",
         _head(document, made),
-        _blocks(document.front),
+        blocks_html(document.front),
         *(_section(section) for section in document.sections),
         f"<footer>{_text(foot)}</footer>\n</main>\n</body>\n</html>\n",
     ]
@@ -122,7 +122,7 @@ def _head(document: Document, made: str) -> str:
     )
 
 
-def _blocks(blocks: Sequence[Block], title: str = "") -> str:
+def blocks_html(blocks: Sequence[Block], title: str = "") -> str:
     """Return blocks one below the other, but pictures of half the width side by side."""
     rest = list(blocks)
     body = []
@@ -139,7 +139,9 @@ def _blocks(blocks: Sequence[Block], title: str = "") -> str:
 
 def _section(section: Section) -> str:
     number = f'<span class="no">{_text(section.number)}</span>'
-    return f"<section>\n<h2>{number} {_text(section.title)}</h2>\n{_blocks(section.blocks, section.title)}</section>\n"
+    return (
+        f"<section>\n<h2>{number} {_text(section.title)}</h2>\n{blocks_html(section.blocks, section.title)}</section>\n"
+    )
 
 
 def _block(block: Block, section_title: str = "") -> str:
