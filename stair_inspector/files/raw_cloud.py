@@ -35,7 +35,8 @@ class RawCloud:
 
     ``colors`` (n, 3) uint8 or None; ``normals`` (n, 3) as written, of any length, or None; ``is_outward`` (n,)
     where they are known to point out of a solid, None of a scan; ``unit`` where the file states one; ``step``
-    (3,) on which its coordinates lie, in the file's unit, where the format states one.
+    (3,) on which its coordinates lie, in the file's unit, where the format states one; ``facet`` the length of the
+    edges of a mesh that was scanned, in the file's unit.
     """
 
     points: Floats
@@ -45,6 +46,7 @@ class RawCloud:
     is_outward: Bools | None = None
     unit: KnownUnit | None = None
     step: Floats | None = None
+    facet: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

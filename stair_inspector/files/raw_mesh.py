@@ -16,6 +16,7 @@ from stair_inspector.geometry.polygons import triangulate
 from stair_inspector.geometry.solids import find_hidden, find_parts, outward_normals
 from stair_inspector.geometry.triangles import (
     areas_of,
+    facet_of,
     find_distinct,
     in_fixed_order,
     points_per_triangle,
@@ -125,7 +126,7 @@ def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud,
     thinner = ", the largest faces thinner" if each.max() > 1.001 * each.min() else ""
     message = (
         f"a mesh: its {len(mesh.corners):,} faces were sampled with {len(sampled):,} points, about "
-        f"{1000.0 * float(each.min()):.3g} mm apart{thinner}; what its maker smoothed or rounded, no U here holds"
+        f"{1000.0 * float(each.min()):.3g} mm apart{thinner}; what its maker smoothed, no U here holds"
     )
     notes = [*mesh.notes, Note("faces_sampled", READ_STAGE, message)]
     if is_hidden is None:
@@ -138,8 +139,8 @@ def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud,
     colors = None if mesh.colors is None else np.rint(sampled[:, 3:]).astype(np.uint8)
     normals, is_outward = outward_normals(faces, parts)
     points = np.ascontiguousarray(sampled[:, :3])
-    step = _float32_step(faces)
-    return RawCloud(points, colors, normals[on], tuple(notes), is_outward[on], step=step), decided
+    step, facet = _float32_step(faces), facet_of(faces, areas)
+    return RawCloud(points, colors, normals[on], tuple(notes), is_outward[on], step=step, facet=facet), decided
 
 
 def _float32_step(faces: Floats) -> Floats | None:

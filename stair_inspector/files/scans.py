@@ -278,6 +278,7 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, name: str, sha256: str) -
         observations=decided.observations,
         repeats=repeats,
         stated_steps_m=None if raw.step is None else raw.step * METRES_PER_UNIT[decided.unit],
+        facet_m=None if raw.facet is None else raw.facet * METRES_PER_UNIT[decided.unit],
         is_outward=None if raw.is_outward is None else raw.is_outward[kept],
     )
 

@@ -11,6 +11,11 @@ import numpy as np
 from stair_inspector.geometry.arrays import Bools, Floats, Ints
 
 _SEED = 7
+_SAME_NORMAL = 0.002
+"""Faces of one flat surface agree in each part of their unit normals to so much: a model's to their rounding."""
+_FLAT_SURFACES = 30
+_FLAT_SHARE = 0.5
+"""Where so few directions hold so much of the area, the mesh is a model."""
 _OWN_POINTS = 100_000
 """So many points a triangle may ask for before it is thinned out for the others' sake: no surface of a stair does."""
 
@@ -20,6 +25,29 @@ def areas_of(corners: Floats) -> Floats:
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area: Floats = 0.5 * np.sqrt((across * across).sum(axis=1))
     return area
+
+
+def facet_of(corners: Floats, areas: Floats) -> float | None:
+    """Return the median length of a scanned mesh's edges; None of a model, whose corners stand where its edges are.
+
+    A model's surfaces are flat: a few directions hold most of its area, to the rounding of its corners. The faces of a
+    scanned mesh each have their own.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3), any unit
+        Of the triangles.
+    areas : (n,)
+        Of them, positive.
+    """
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / (2.0 * areas[:, None])
+    # However they are wound: the two sides of a face are one direction.
+    across *= np.where(across[np.arange(len(across)), np.abs(across).argmax(axis=1)] < 0.0, -1.0, 1.0)[:, None]
+    _, of_direction = np.unique(np.rint(across / _SAME_NORMAL).astype(np.int64), axis=0, return_inverse=True)
+    shares = np.sort(np.bincount(of_direction.ravel(), weights=areas))
+    if shares[-_FLAT_SURFACES:].sum() >= _FLAT_SHARE * shares.sum():
+        return None
+    return float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))
 
 
 def in_fixed_order(corners: Floats) -> Ints:

@@ -24,7 +24,8 @@ class Scan:
     reading it already shows; ``repeats`` (n,) how often the file holds each point, None where every point is distinct;
     ``is_outward`` (n,) where a normal is known to point out of a solid, as on the closed parts of a mesh: with it, any
     two opposite faces of one thing have opposite normals. None of a scan. ``stated_steps_m`` (3,) on which the
-    coordinates lie by the word of the file, as of LAS its scale; None where it says nothing.
+    coordinates lie by the word of the file, as of LAS its scale; None where it says nothing. ``facet_m`` is the
+    length of the edges of a mesh whose faces are measured ones, as a phone's; None of a scan and of a drawn model.
     """
 
     points: Floats
@@ -40,6 +41,7 @@ class Scan:
     repeats: Ints | None = None
     is_outward: Bools | None = None
     stated_steps_m: Floats | None = None
+    facet_m: float | None = None
 
     def __post_init__(self) -> None:
         n = len(self.points)
@@ -99,7 +101,7 @@ class Examination:
     shifts of doubled surfaces against each other, scan axes, each along what faces one way. ``is_thinned`` says that
     the points fill a lattice of these steps, one in each cell; ``is_view`` that the scan was taken from its origin in
     one direction, as a camera's frame is; ``hints_m`` (h, 3) are such shifts of which surfaces
-    alone tell too little; ``moved`` says which points were laid onto the others.
+    alone tell too little; ``moved`` says which points were laid onto the others; ``facet_m`` is the scan's.
     """
 
     observations: tuple[Observation, ...]
@@ -109,3 +111,4 @@ class Examination:
     is_view: bool = False
     hints_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     moved: Moved | None = None
+    facet_m: float | None = None

@@ -46,6 +46,7 @@ _CURES = {
     ),
     "cloud_copied": "take the copy out of the project, so that each station is exported once",
     "cloud_mirrored": "take the mirrored copy out of the project; check that the axes were exported right-handed",
+    "mesh_scanned": "export the points of the scan, or a mesh in the finest resolution that its program offers",
     "points_sparse": "scan the stairs from nearer or with a finer resolution, or export without thinning",
 }
 
@@ -75,8 +76,10 @@ def examine(scan: Scan) -> Examination:
     """
     steps = find_steps(scan)
     found = [*scan.observations, *_observe_steps(scan, steps)]
+    if scan.facet_m is not None:
+        found.append(_observe_facets(scan.facet_m))
     if len(scan.points) < _FEWEST:
-        return Examination(tuple(found), steps.steps_m)
+        return Examination(tuple(found), steps.steps_m, facet_m=scan.facet_m)
     found_ways = _find_ways(scan, steps.steps_m)
     doubled = tuple(way for way in found_ways if way.is_sure)
     # Rounded coordinates and lattices repeat every difference.
@@ -103,7 +106,9 @@ def examine(scan: Scan) -> Examination:
     few = scan.points[:: -(-len(scan.points) // _MOST_FOR_VIEW)]
     # Where surfaces are surely double along one direction, what may be so along another says nothing new.
     hints_m = np.array([way.apart_m * way.normal for way in found_ways if shift is None and not doubled]).reshape(-1, 3)
-    return Examination(tuple(found), steps.steps_m, layers_m, is_thinned, is_view(scan, few), hints_m=hints_m)
+    return Examination(
+        tuple(found), steps.steps_m, layers_m, is_thinned, is_view(scan, few), hints_m=hints_m, facet_m=scan.facet_m
+    )
 
 
 def _find_ways(scan: Scan, steps_m: Floats) -> tuple[DoubledWay, ...]:
@@ -210,6 +215,14 @@ def _observe_copy(shift: Floats) -> Observation:
     size_m = float(np.linalg.norm(shift))
     message = f"the cloud holds itself twice, shifted by {size_text(size_m)}"
     return Observation("cloud_copied", "doubt", message, size_m, _CURES["cloud_copied"])
+
+
+def _observe_facets(facet_m: float) -> Observation:
+    message = (
+        f"a scanned mesh, its corners about {size_text(facet_m)} apart: it rounds what is finer, the sides of treads "
+        "above all; u holds that, but nothing that its maker smoothed beyond it"
+    )
+    return Observation("mesh_scanned", "doubt", message, facet_m, _CURES["mesh_scanned"])
 
 
 def _observe_sparse(spacing_m: float, per_tread: int) -> Observation:

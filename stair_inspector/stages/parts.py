@@ -13,6 +13,7 @@ from stair_inspector.model import Examination, LocalPlane, StepShape, Up
 from stair_inspector.params import UncertaintyParams
 from stair_inspector.stages.doubt import (
     edge_doubt,
+    facet_doubt,
     layers_doubt,
     noise_before_rounding,
     rounding_doubt,
@@ -43,6 +44,7 @@ class Common:
     aside_m: Floats
     is_thinned: bool
     is_view: bool
+    facet_m: float
 
     @classmethod
     def of(cls, up: Up, doubts: UncertaintyParams, level_from_scan: Floats, examined: Examination | None) -> "Common":
@@ -61,6 +63,7 @@ class Common:
             aside_m=np.zeros((0, 3)) if moved is None else moved.unheld_m @ level_from_scan.T,
             is_thinned=examined is not None and examined.is_thinned,
             is_view=examined is not None and examined.is_view,
+            facet_m=0.0 if examined is None else examined.facet_m or 0.0,
         )
 
 
@@ -133,9 +136,9 @@ class Doubts:
         return math.hypot(apart_m / 2.0, mistaken, _OF_COVER * shape.plane.cover_m)
 
     def across(self, *edges: tuple[EdgeLine | None, StepShape]) -> dict[str, float]:
-        """Return what rounding and doubled surfaces leave uncertain of the distance of front or back edges."""
+        """Return what resolution and doubled surfaces leave uncertain of the distance of front or back edges."""
         return {
-            "resolution": math.hypot(*(self.rounding_across(*edge) for edge in edges)),
+            "resolution": math.hypot(*(self.resolution_across(*edge) for edge in edges)),
             "layers": math.hypot(*(self.layers_across(*edge) for edge in edges)),
         }
 
@@ -159,35 +162,47 @@ class Doubts:
         """Return the same of a slope, as a tangent: at the front one layer may be seen, at the back the other."""
         return math.sqrt(2.0) * self.layers(plane) / max(depth_m, plane.spacing_m, 1e-3)
 
-    def rounding_of_level(self, plane: LocalPlane | None, shape: StepShape) -> float:
-        """Return what rounding leaves uncertain of the height of a surface along the nosing of a step."""
-        if plane is None or not self._is_stepped:
+    def resolution_of_level(self, plane: LocalPlane | None, shape: StepShape) -> float:
+        """Return what rounding and the faces of a mesh leave uncertain of a surface's height along a step's nosing."""
+        if plane is None:
             return 0.0
+        of_facets_m = facet_doubt(self._common.facet_m, "level")
+        if not self._is_stepped:
+            return of_facets_m
         low, high = shape.line_range
         left = left_of(shape.climb)
         along = (high - low) * np.array([left[0], left[1], plane.slope[1]])
-        return self._rounding(self._normal_of(plane, shape.climb), along, self._sigma_m)
+        rounded_m = self._rounding(self._normal_of(plane, shape.climb), along, self._sigma_m)
+        return math.hypot(rounded_m, of_facets_m)
 
-    def rounding_of_slope(self, shape: StepShape, length_m: float) -> float:
+    def resolution_of_slope(self, shape: StepShape, length_m: float) -> float:
         """Return the same of a surface's slope over a length, as a tangent: one end against the other."""
-        return math.sqrt(2.0) * self.rounding_of_level(shape.plane, shape) / max(length_m, shape.plane.spacing_m, 1e-3)
-
-    def rounding_across(self, edge: EdgeLine | None, shape: StepShape) -> float:
-        """Return what rounding leaves uncertain of the place of a front or back edge, along the climb."""
-        if edge is None or not self._is_stepped:
-            return 0.0
-        left = left_of(shape.climb)
-        return self._of_edge(
-            edge, shape.climb - edge.slope * left, left + edge.slope * shape.climb, np.ptp(shape.line_range)
+        return (
+            math.sqrt(2.0) * self.resolution_of_level(shape.plane, shape) / max(length_m, shape.plane.spacing_m, 1e-3)
         )
 
-    def rounding_aside(self, edge: EdgeLine, shape: StepShape) -> float:
-        """Return the same of an edge at a tread's side, square to the climb."""
-        if not self._is_stepped:
+    def resolution_across(self, edge: EdgeLine | None, shape: StepShape) -> float:
+        """Return the same of the place of a front or back edge, along the climb."""
+        if edge is None:
             return 0.0
+        of_facets_m = facet_doubt(self._common.facet_m, "edge")
+        if not self._is_stepped:
+            return of_facets_m
+        left = left_of(shape.climb)
+        rounded_m = self._of_edge(
+            edge, shape.climb - edge.slope * left, left + edge.slope * shape.climb, np.ptp(shape.line_range)
+        )
+        return math.hypot(rounded_m, of_facets_m)
+
+    def resolution_aside(self, edge: EdgeLine, shape: StepShape) -> float:
+        """Return the same of an edge at a tread's side, square to the climb."""
+        of_facets_m = 0.0 if edge.is_wall else facet_doubt(self._common.facet_m, "side")
+        if not self._is_stepped:
+            return of_facets_m
         left = left_of(shape.climb)
         depth_m = shape.extent[1] - shape.extent[0]
-        return self._of_edge(edge, left - edge.slope * shape.climb, shape.climb + edge.slope * left, depth_m)
+        rounded_m = self._of_edge(edge, left - edge.slope * shape.climb, shape.climb + edge.slope * left, depth_m)
+        return math.hypot(rounded_m, of_facets_m)
 
     def _of_edge(self, edge: EdgeLine, across: Floats, along: Floats, length_m: float) -> float:
         length = math.hypot(1.0, edge.slope)

@@ -159,7 +159,7 @@ class StepMeasurer:
             rises[1],
             noise=math.hypot(shape.nosing_noise[1], surface_doubt(shape.plane), noise_below),
             edge=math.hypot(edge, edge_below),
-            resolution=math.hypot(*(doubts.rounding_of_level(plane, shape) for plane in (shape.plane, below))),
+            resolution=math.hypot(*(doubts.resolution_of_level(plane, shape) for plane in (shape.plane, below))),
             layers=math.hypot(doubts.layers(shape.plane), doubts.layers(below)),
             up=self._context.up_rad * apart,
             registration=self._context.registration_m,
@@ -262,7 +262,7 @@ class StepMeasurer:
             width_m,
             noise=math.hypot(shape.left.noise_at(s), shape.right.noise_at(s)),
             edge=doubt,
-            resolution=math.hypot(*(self._doubts.rounding_aside(side, shape) for side in (shape.left, shape.right))),
+            resolution=math.hypot(*(self._doubts.resolution_aside(side, shape) for side in (shape.left, shape.right))),
             layers=math.sqrt(2.0) * self._doubts.layers_aside(shape),
             registration=self._context.registration_m,
             scale=self._context.scale * width_m,
@@ -290,7 +290,7 @@ class StepMeasurer:
         length_m = math.hypot(along[1] * depth_m, along[2] * (shape.extent[3] - shape.extent[2]))
         doubts = {
             "noise": noise,
-            "resolution": self._doubts.rounding_of_slope(shape, length_m),
+            "resolution": self._doubts.resolution_of_slope(shape, length_m),
             "layers": abs(along[1]) * self._doubts.layers_of_slope(shape.plane, depth_m),
             "registration": abs(along[1]) * self._context.slope,
         }

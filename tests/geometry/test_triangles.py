@@ -8,12 +8,14 @@ from stair_inspector.geometry.polygons import triangulate
 from stair_inspector.geometry.solids import find_hidden, find_parts, outward_normals
 from stair_inspector.geometry.triangles import (
     areas_of,
+    facet_of,
     find_distinct,
     in_fixed_order,
     points_per_triangle,
     sample_triangles,
 )
 from tests.files.models import box, stair_of_solids
+from tests.synthetic import rotation
 
 PLATE = np.array([[[0, 0, 0], [2, 0, 0], [2, 1, 0]], [[0, 0, 0], [2, 1, 0], [0, 1, 0]]], dtype=np.float64)
 
@@ -116,6 +118,33 @@ def test_a_polygon_that_crosses_itself_is_left_out_and_hostile_ones_end_soon():
 
 
 # --- solids ---
+
+
+def grid_of(side, shape, noise, seed=0):
+    """The triangles of an even grid of squares, its corners off the plane by noise."""
+    x, y = np.meshgrid(np.arange(shape[0]) * side, np.arange(shape[1]) * side, indexing="ij")
+    points = np.stack([x, y, np.random.default_rng(seed).normal(0.0, noise, x.shape)], axis=-1)
+    low, right, up, across = points[:-1, :-1], points[1:, :-1], points[:-1, 1:], points[1:, 1:]
+    halves = [np.stack(each, axis=2).reshape(-1, 3, 3) for each in ((low, right, across), (low, across, up))]
+    return np.concatenate(halves)
+
+
+def test_the_faces_of_a_scanned_mesh_are_as_long_as_most_of_their_edges():
+    # Two sides of each half of a square are 15 mm, one is longer.
+    scanned = grid_of(0.015, (60, 70), 0.001)
+    assert facet_of(scanned, areas_of(scanned)) == pytest.approx(0.015, rel=0.01)
+    assert facet_of(scanned[:, ::-1], areas_of(scanned)) == facet_of(scanned, areas_of(scanned))
+
+
+@pytest.mark.parametrize("turn", [np.eye(3), rotation("x", 20.0) @ rotation("z", 33.0)])
+@pytest.mark.parametrize("decimals", [3, 9])
+def test_a_model_has_no_such_faces_however_finely_it_is_cut_turned_or_rounded(turn, decimals):
+    model = np.asarray(stair_of_solids().subdivide_to_size(0.4).triangles)
+    kept = np.round(model @ turn.T, decimals).astype(np.float32).astype(np.float64)
+    areas = areas_of(kept)
+    assert facet_of(kept[areas > 0.0], areas[areas > 0.0]) is None
+    flat = grid_of(0.02, (40, 40), 0.0) @ turn.T
+    assert facet_of(flat, areas_of(flat)) is None
 
 
 def test_what_lies_inside_an_overlapping_solid_is_hidden():
