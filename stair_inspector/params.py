@@ -6,13 +6,12 @@ setting, add a field to the group of the stage that reads it; see :mod:`stair_in
 
 import dataclasses
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from stair_inspector import priors
 from stair_inspector.declarations import (
     DEGREES,
     MM,
-    PERCENT,
     PERCENTILE,
     SQUARE_METRES,
     Catalogue,
@@ -25,6 +24,7 @@ from stair_inspector.declarations import (
 )
 from stair_inspector.errors import ConfigError
 from stair_inspector.overrules import OverrulesParams, parse_up
+from stair_inspector.stated_uncertainty import UncertaintyParams
 
 Method = Literal["survey", "paper"]
 Stations = Literal["auto", "as_read"]
@@ -222,48 +222,6 @@ class SurveyParams(Group):
 
 
 @dataclass(frozen=True)
-class UncertaintyParams(Group):
-    """What the user states about the scan, as standard uncertainties (k = 1); it enters every u (survey)."""
-
-    registration_m: Annotated[
-        float,
-        Knob("registration", 0.0, 0.05, 0.0001, MM, place="survey").says(
-            "Standard uncertainty that registration and drift add from one step to the next, {range}."
-        ),
-    ] = 0.0
-    edge_m: Annotated[
-        float,
-        Knob("edges", 0.0, 0.05, 0.0005, MM).says(
-            "Standard uncertainty of a nosing or back edge that the scanner rounds or displaces, {range}."
-        ),
-    ] = 0.0
-    side_m: Annotated[
-        float,
-        Knob("sides", 0.0, 0.05, 0.0005, MM).says(
-            "Standard uncertainty of a tread's side edge that the scanner rounds or displaces, {range}."
-        ),
-    ] = 0.0
-    slope_deg: Annotated[
-        float,
-        Knob("slopes", 0.0, 5.0, 0.01, DEGREES).says(
-            "Standard uncertainty of a tread's fall that stations or passes of the scanner leave, {range}."
-        ),
-    ] = 0.0
-    up_deg: Annotated[
-        float,
-        Knob("up", 0.0, 5.0, 0.01, DEGREES, place="survey").says(
-            "Standard uncertainty of the up direction beyond what the scan shows, {range}."
-        ),
-    ] = 0.0
-    scale_percent: Annotated[
-        float,
-        Knob("scale", 0.0, 5.0, 0.05, PERCENT, place="survey").says(
-            "Standard uncertainty of the scan's scale, {range}."
-        ),
-    ] = 0.0
-
-
-@dataclass(frozen=True)
 class DisplayParams(Group):
     """What is kept to be looked at."""
 
@@ -273,6 +231,13 @@ class DisplayParams(Group):
             "K: points kept around each step's centre for display {range}."
         ),
     ] = 50
+
+
+class FileReading(NamedTuple):
+    """The settings that a file is read with: where they are the same, so is the scan."""
+
+    unit: ScanUnit = "auto"
+    station: str = ""
 
 
 @dataclass(frozen=True)
@@ -297,6 +262,12 @@ class Params:
             "Unit of the scan's coordinates; 'auto' guesses from the size and says so."
         ),
     ] = "auto"
+    station: Annotated[
+        str,
+        Setting("Station", place="scene").says(
+            "Name, or number from 1 on, of the one station of a scan that is measured; '' takes all together."
+        ),
+    ] = ""
     stations: Annotated[
         Stations,
         Setting("Stations", place="scan").says(
@@ -321,6 +292,11 @@ class Params:
         for name, declared in fields_of(Params).items():
             check_value(name, getattr(self, name), declared.kind, declared.knob)
         parse_up(self.up)
+
+    @property
+    def reading(self) -> FileReading:
+        """The settings that the file is read with."""
+        return FileReading(*(self.value(name) for name in FileReading._fields))
 
     def value(self, name: str) -> Any:
         """Return the value of the setting with the dotted ``name`` (``levels.eps_m``)."""

@@ -142,6 +142,7 @@ CHANGES = {
     "levels.eps_m": LevelsParams.eps_m / 2.0,
     "levels.min_points": LevelsParams.min_points + 20,
     "axes.rule": "global",
+    "station": "Hall",
     "stations": "as_read",
     "edges.front_percentile": EdgesParams.front_percentile - 5.0,
     "edges.back_percentile": EdgesParams.back_percentile + 5.0,

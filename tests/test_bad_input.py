@@ -95,7 +95,7 @@ def test_rubbish_as_text(refused):
 
 
 def test_another_format(refused):
-    refused(b"ASTM-E57" + bytes(400), name="scan.e57", says="is E57, which is not read")
+    refused(b"%PDF" + bytes(400), name="scan.e57", says="is PDF, which is not read")
 
 
 def test_all_nan(refused):

@@ -179,7 +179,7 @@ def for_each(
     worst = 0
     for path in paths:
         try:
-            scan = read_scan(path, options.settings.unit)
+            scan = read_scan(path, *options.settings.reading)
             if project is not None:
                 check_scan(project, scan.sha256, str(path), options.project)
             memo = Memo()

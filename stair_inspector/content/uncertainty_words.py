@@ -6,7 +6,7 @@ from stair_inspector.content.cells import numbers_of
 from stair_inspector.content.document import plain
 from stair_inspector.content.note_words import note_sentence, note_words
 from stair_inspector.model import Inspection
-from stair_inspector.params import UncertaintyParams
+from stair_inspector.stated_uncertainty import UncertaintyParams
 from stair_inspector.units import u_text
 
 _LOA = ((0.001, "LOA50 (0 to 1 mm)"), (0.005, "LOA40 (1 to 5 mm)"), (0.015, "LOA30 (5 to 15 mm)"))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
+from stair_inspector.files.raw_stations import RawStations
 from stair_inspector.geometry.arrays import Bools, Colors, Floats
 from stair_inspector.model import Note
 from stair_inspector.params import KnownUnit
@@ -36,7 +37,7 @@ class RawCloud:
     ``colors`` (n, 3) uint8 or None; ``normals`` (n, 3) as written, of any length, or None; ``is_outward`` (n,)
     where they are known to point out of a solid, None of a scan; ``unit`` where the file states one; ``step``
     (3,) on which its coordinates lie, in the file's unit, where the format states one; ``facet`` the length of the
-    edges of a mesh that was scanned, in the file's unit.
+    edges of a mesh that was scanned, in the file's unit; ``stations`` that saw the points.
     """
 
     points: Floats
@@ -47,6 +48,7 @@ class RawCloud:
     unit: KnownUnit | None = None
     step: Floats | None = None
     facet: float | None = None
+    stations: RawStations | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +70,9 @@ class ScanFormat:
 
     ``suffix`` in lower case, and ``also`` what else its files end in; ``beginning`` are the words for what a file of it
     begins with. ``fits`` tells it from a file's bytes, ``read`` turns them into a cloud or a mesh or raises ReadError.
-    ``is_for_meshes`` where a scan should rather not be exported as it.
+    ``is_for_meshes`` where a scan should rather not be exported as it; ``is_text`` where other text may have the suffix
+    too. ``read_station`` reads the station with a name or
+    number, all where that is ''; None where a file has none.
     """
 
     suffix: str
@@ -77,6 +81,8 @@ class ScanFormat:
     read: Callable[[bytes], RawCloud | RawMesh]
     also: tuple[str, ...] = ()
     is_for_meshes: bool = False
+    read_station: Callable[[bytes, str], RawCloud] | None = None
+    is_text: bool = False
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -139,7 +145,8 @@ class NumberLines:
     """Lines of numbers in a file: where they begin, and what they must look like.
 
     ``start`` is the byte offset of the first line; ``skip`` the lines that belong to something else; ``n_rows`` how
-    many lines to read, None for all; ``separator`` None means white space.
+    many lines to read, None for all; ``separator`` None means white space; ``n_before`` the lines of the file before
+    ``data``.
     """
 
     data: bytes
@@ -148,6 +155,7 @@ class NumberLines:
     n_rows: int | None = None
     skip: int = 0
     separator: str | None = None
+    n_before: int = 0
 
     def _stream(self) -> BytesIO:
         stream = BytesIO(self.data)
@@ -207,7 +215,7 @@ class NumberLines:
     def _explained(self) -> ReadError:
         """Return the error that names the first bad line."""
         separator = None if self.separator is None else self.separator.encode("ascii")
-        number = self.data.count(b"\n", 0, self.start)
+        number = self.n_before + self.data.count(b"\n", 0, self.start)
         row = -self.skip
         for line in self._stream():
             number += 1

@@ -6,7 +6,6 @@ everything that is wrong with a file becomes one sentence.
 
 import hashlib
 import importlib
-import re
 import stat
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,9 +17,10 @@ from stair_inspector.errors import DegenerateGeometry, ReadError
 from stair_inspector.files.cleaning import check_range, count_repeats, first_occurrences, to_local_metres, unit_normals
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh, ScanFormat, excerpt
 from stair_inspector.files.raw_mesh import cloud_of_mesh
+from stair_inspector.files.raw_stations import RawStations
 from stair_inspector.files.text_scan import is_text, read_text
 from stair_inspector.geometry.arrays import Colors, Floats, Ints
-from stair_inspector.model import Note, Scan
+from stair_inspector.model import Note, Scan, ScanStations
 from stair_inspector.params import ScanUnit
 from stair_inspector.stages.units import DecidedUnit, decide_unit
 from stair_inspector.units import METRES_PER_UNIT
@@ -29,6 +29,9 @@ _READERS = (
     "ply_scan",
     "pcd_scan",
     "las_scan",
+    "e57_scan",
+    "ptx_scan",
+    "pts_scan",
     "gltf_scan",
     "stl_scan",
     "off_scan",
@@ -41,7 +44,7 @@ They are asked in this order whether a file begins as theirs; what none of them 
 FORMATS: tuple[ScanFormat, ...] = tuple(
     importlib.import_module(f"stair_inspector.files.{reader}").FORMAT for reader in _READERS
 )
-_TEXT_SUFFIXES = (".xyz", ".pts", ".csv")
+_TEXT_SUFFIXES = (".xyz", ".csv")
 FOLDER_SUFFIXES = (*(suffix for each in FORMATS for suffix in each.suffixes), *_TEXT_SUFFIXES)
 """Suffixes taken from a folder: a text file in a folder is more often a remark than a scan."""
 SUFFIXES = (*FOLDER_SUFFIXES, ".txt", ".asc")
@@ -49,9 +52,7 @@ SUFFIXES = (*FOLDER_SUFFIXES, ".txt", ".asc")
 
 _LARGEST_BYTES = 4 * 2**30
 _PATH_CHARACTERS = 300
-_SNIFFED_BYTES = 4096
 _OTHER_FORMATS = {
-    b"ASTM-E57": "E57",
     b"PK\x03\x04": "a ZIP archive",
     b"\x1f\x8b": "a gzip archive",
     b"%PDF": "PDF",
@@ -59,8 +60,6 @@ _OTHER_FORMATS = {
     b"\xff\xd8\xff": "an image",
 }
 _FOR_SCANS = (*(suffix for each in FORMATS if not each.is_for_meshes for suffix in each.suffixes), *_TEXT_SUFFIXES)
-_PTX = re.compile(rb"(?:\d+\s+){2}(?:(?:\S+[ \t]+){2}\S+\s*\n){4}(?:(?:\S+[ \t]+){3}\S+\s*\n){4}")
-"""The head of PTX, which has no mark of its own: columns, rows, the scanner's place, and a matrix of four by four."""
 _HINT = (
     f"export the scan as {', '.join(suffix[1:].upper() for suffix in _FOR_SCANS[:-1])} or {_FOR_SCANS[-1][1:].upper()}"
 )
@@ -119,7 +118,7 @@ def _is_result(path: Path) -> bool:
         return False
 
 
-def read_scan(path: Path, unit: ScanUnit = "auto") -> Scan:
+def read_scan(path: Path, unit: ScanUnit = "auto", station: str = "") -> Scan:
     """Read a scan, whatever its format, into metres near zero.
 
     Parameters
@@ -129,6 +128,8 @@ def read_scan(path: Path, unit: ScanUnit = "auto") -> Scan:
     unit : str
         Unit of the file's coordinates; ``auto`` takes that of the format, or decides by the stair that comes out, see
         :func:`stair_inspector.stages.units.decide_unit`.
+    station : str
+        Name or number, from 1 on, of the station to be read of several; '' takes all together.
 
     Returns
     -------
@@ -139,21 +140,24 @@ def read_scan(path: Path, unit: ScanUnit = "auto") -> Scan:
         whole metres near the middle of the cloud. Colours 0 to 255 and unit normals where the file has them. Notes
         (stage ``read``): ``unit_guessed``, ``non_finite_dropped``, ``no_return_dropped``, ``duplicates_dropped``,
         ``normals_dropped``, ``colors_dropped``, ``columns_ignored``, ``last_line_unfinished``; of meshes see
-        :func:`stair_inspector.files.raw_mesh.cloud_of_mesh`, of LAS :func:`stair_inspector.files.las_scan.read_las`.
+        :func:`stair_inspector.files.raw_mesh.cloud_of_mesh`, of LAS :func:`stair_inspector.files.las_scan.read_las`, of
+        files of stations :func:`stair_inspector.files.e57_scan.read_e57`.
 
     Raises
     ------
     ReadError
-        Missing, not a file, empty, larger than 4 GiB, unknown, damaged, not what its header states, or without any
-        finite point: one sentence that begins with the path.
+        Missing, not a file, empty, larger than 4 GiB, unknown, damaged, not what its header states, without that
+        station, or without any finite point: one sentence that begins with the path.
     ConfigError
         Unknown unit.
     """
     check_value("unit", unit, ScanUnit, None)
+    check_value("station", station, str, None)
     path = Path(path)
     data = _read_bytes(path)
     try:
-        return _to_scan(_parse(path, data), unit, excerpt(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
+        read = _parse(path, data, station)
+        return _to_scan(read, unit, excerpt(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
     except ReadError as error:
         raise ReadError(f"{_name(path)}: {error}") from error
     except DegenerateGeometry as error:
@@ -207,17 +211,20 @@ def _read_bytes(path: Path) -> bytes:
     return data
 
 
-def _parse(path: Path, data: bytes) -> RawCloud | RawMesh:
+def _parse(path: Path, data: bytes, station: str) -> RawCloud | RawMesh:
     """Read by content; the suffix only decides which sentence explains a failure."""
-    for each in FORMATS:
-        if each.fits(data):
-            return each.read(data)
+    known = next((each for each in FORMATS if each.fits(data)), None)
+    if known is not None and known.read_station is not None:
+        return known.read_station(data, station)
+    if station:
+        raise ReadError("is of a format that has no stations; measure it without --station")
+    if known is not None:
+        return known.read(data)
     other = next((name for magic, name in _OTHER_FORMATS.items() if data.startswith(magic)), None)
-    other = "PTX" if other is None and _PTX.match(data[:_SNIFFED_BYTES]) else other
     if other is not None:
         raise ReadError(f"is {other}, which is not read; {_HINT}")
     suffix = path.suffix.lower()
-    stated = next((each for each in FORMATS if suffix in each.suffixes), None)
+    stated = next((each for each in FORMATS if suffix in each.suffixes and not each.is_text), None)
     if stated is not None:
         try:
             return read_text(data)
@@ -280,7 +287,14 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, name: str, sha256: str) -
         stated_steps_m=None if raw.step is None else raw.step * METRES_PER_UNIT[decided.unit],
         facet_m=None if raw.facet is None else raw.facet * METRES_PER_UNIT[decided.unit],
         is_outward=None if raw.is_outward is None else raw.is_outward[kept],
+        stations=_stations(raw.stations, kept, METRES_PER_UNIT[decided.unit], origin_m),
     )
+
+
+def _stations(raw: RawStations | None, kept: Ints, metres: float, origin_m: Floats) -> ScanStations | None:
+    if raw is None:
+        return None
+    return ScanStations(raw.names, raw.of_point[kept], raw.places * metres - origin_m)
 
 
 def _dropped(code: str, count: int, of: int, why: str) -> Note:

@@ -21,7 +21,7 @@ from stair_inspector.model.heights import (
 from stair_inspector.model.inspection import Inspection, ScanSummary
 from stair_inspector.model.notes import BLURRED, IMPOSSIBLE, NO_NOSING, Note, Observation
 from stair_inspector.model.paper import Axes, Edges, Extents, NearestPoints, PaperValues
-from stair_inspector.model.scan import Examination, Moved, Scan
+from stair_inspector.model.scan import Examination, Moved, Scan, ScanStations
 from stair_inspector.model.shapes import Arc, LocalPlane, StepShape
 from stair_inspector.model.steps import Flight, Measured, Statistics, Step
 from stair_inspector.model.surfaces import NO_CHAINS, Chain, Chains, Patch, Patches, Surface, Surfaces
@@ -58,6 +58,7 @@ __all__ = [
     "Patch",
     "Patches",
     "Scan",
+    "ScanStations",
     "ScanSummary",
     "Statistics",
     "Step",

@@ -1,16 +1,49 @@
 """A point cloud, and what is known of it before anything is measured."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
 from stair_inspector.errors import DegenerateGeometry
-from stair_inspector.geometry.arrays import Bools, Colors, Floats, Ints, own
+from stair_inspector.geometry.arrays import Bools, Colors, Floats, Ints, Labels, freeze, own
 from stair_inspector.model.notes import Note, Observation
 
 _FARTHEST_M = 10_000.0
 """How far from zero points may lie: normals come from squares of coordinates, in which float64 keeps 1e-8 m² there."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanStations:
+    """From where a scan was taken: ``names`` (k) of all stations of its file, in the file's order.
+
+    ``of_point`` (n,) is the number of the station, from 0 on, that saw each point of the scan; ``places_m`` (k, 3)
+    local where each stood, NaN where the file does not say.
+    """
+
+    names: tuple[str, ...]
+    of_point: Labels
+    places_m: Floats
+
+    def __post_init__(self) -> None:
+        k = len(self.names)
+        of_point = own(self.of_point, (None,), "of_point", np.int16)
+        if len(of_point) and not 0 <= int(of_point.min()) <= int(of_point.max()) < k:
+            raise DegenerateGeometry(f"of_point: names stations beyond the {k} that there are")
+        object.__setattr__(self, "of_point", of_point)
+        places_m = np.array(self.places_m, dtype=np.float64)
+        if places_m.shape != (k, 3):
+            raise DegenerateGeometry(f"places_m: expected shape {(k, 3)}, got {places_m.shape}")
+        object.__setattr__(self, "places_m", freeze(places_m))
+
+    def of(self, rows: Ints | Bools) -> "ScanStations":
+        """Return the same of some of the points."""
+        return replace(self, of_point=self.of_point[rows])
+
+    @property
+    def seen(self) -> Ints:
+        """The numbers of the stations that saw any of the points, in order."""
+        return np.flatnonzero(np.bincount(self.of_point, minlength=len(self.names)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,6 +59,7 @@ class Scan:
     two opposite faces of one thing have opposite normals. None of a scan. ``stated_steps_m`` (3,) on which the
     coordinates lie by the word of the file, as of LAS its scale; None where it says nothing. ``facet_m`` is the
     length of the edges of a mesh whose faces are measured ones, as a phone's; None of a scan and of a drawn model.
+    ``stations`` tell which saw each point, where the file does.
     """
 
     points: Floats
@@ -42,6 +76,7 @@ class Scan:
     is_outward: Bools | None = None
     stated_steps_m: Floats | None = None
     facet_m: float | None = None
+    stations: ScanStations | None = None
 
     def __post_init__(self) -> None:
         n = len(self.points)
@@ -58,6 +93,8 @@ class Scan:
             object.__setattr__(self, "is_outward", own(self.is_outward, (n,), "is_outward", np.bool_))
         if self.repeats is not None:
             object.__setattr__(self, "repeats", own(self.repeats, (n,), "repeats", np.int64))
+        if self.stations is not None and len(self.stations.of_point) != n:
+            raise DegenerateGeometry(f"stations: of {len(self.stations.of_point)} points, the scan has {n}")
 
 
 def _check_nearness(points: Floats) -> None:

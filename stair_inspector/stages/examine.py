@@ -9,12 +9,12 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.solids import is_front
 from stair_inspector.model import Examination, Observation, Scan
-from stair_inspector.params import UncertaintyParams
 from stair_inspector.stages.camera_frames import is_view
 from stair_inspector.stages.coordinate_steps import CoordinateSteps, find_steps
 from stair_inspector.stages.copies import find_mirrored_copy, find_shifted_copy
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.layers import LEAST_STEPS, SAME_WAY, DoubledWay, find_ways
+from stair_inspector.stated_uncertainty import UncertaintyParams
 from stair_inspector.units import METRES_PER_UNIT
 
 _LEAST_SAID_M = 0.0004

@@ -10,7 +10,6 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import Examination, LocalPlane, StepShape, Up
-from stair_inspector.params import UncertaintyParams
 from stair_inspector.stages.doubt import (
     edge_doubt,
     facet_doubt,
@@ -20,6 +19,7 @@ from stair_inspector.stages.doubt import (
     thinning_doubt,
     view_doubt,
 )
+from stair_inspector.stated_uncertainty import UncertaintyParams
 
 _OF_COVER = 0.6
 """Standard uncertainty of what may be a strip's or the surface's under it, as a share of its thickness: k = 2 holds all

@@ -131,7 +131,9 @@ def _thinned(scan: Scan, normals: Normals) -> tuple[Scan, Normals]:
     if n <= _POINTS:
         return scan, normals
     ids = np.sort(np.random.default_rng(0).choice(n, _POINTS, replace=False))
-    few = replace(scan, points=scan.points[ids], colors=None, normals=None, repeats=None, is_outward=None)
+    few = replace(
+        scan, points=scan.points[ids], colors=None, normals=None, repeats=None, is_outward=None, stations=None
+    )
     return few, Normals(own(normals.vectors[ids], (None, 3), "normals"))
 
 

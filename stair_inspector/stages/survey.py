@@ -14,7 +14,7 @@ from stair_inspector.model import (
     StepShape,
     Up,
 )
-from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
+from stair_inspector.params import DisplayParams, SurveyParams
 from stair_inspector.stages.climbs import flight_after
 from stair_inspector.stages.flight_values import flight_of, kinds_of
 from stair_inspector.stages.parts import Common
@@ -22,6 +22,7 @@ from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.step_values import StepMeasurer
 from stair_inspector.stages.treads import nearest_rows
 from stair_inspector.stages.unobserved import notes_of_unobserved
+from stair_inspector.stated_uncertainty import UncertaintyParams
 
 
 @dataclass(frozen=True, slots=True, eq=False)

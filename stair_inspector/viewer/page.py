@@ -25,7 +25,7 @@ import viser
 from stair_inspector.errors import ReadError
 from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Scan
-from stair_inspector.params import ScanUnit
+from stair_inspector.params import FileReading
 from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.bridge.shortcuts import Command, HelpCard, add_commands
@@ -201,10 +201,10 @@ class Page:
         """Ask for a run with the present work; the keeper's lock is held."""
         self.runs.submit(Request(self.keeper.label, self.editor.work.params), self.keeper.scan)
 
-    def _find(self, request: Request, read: Callable[[ScanUnit], Scan]) -> tuple[Request, Scan]:
+    def _find(self, request: Request, read: Callable[[FileReading], Scan]) -> tuple[Request, Scan]:
         """Read a scan; work that was done on another state of the file is put aside."""
         try:
-            scan = read(request.params.unit)
+            scan = read(request.params.reading)
         except ReadError:
             self.opening.mark(request.label, is_readable=False)
             raise
@@ -215,7 +215,7 @@ class Page:
         with self.keeper.lock:
             bench = self.keeper.bench(request.label)
             params = bench.history.value.params if bench is not None else request.params
-        return Request(request.label, params), read(params.unit)
+        return Request(request.label, params), read(params.reading)
 
     def _progress(self, progress: Progress) -> None:
         """Say what is being computed; the last good result stays, dimmed."""

@@ -22,11 +22,12 @@ from stair_inspector.model import (
     Surface,
     Up,
 )
-from stair_inspector.params import DisplayParams, SurveyParams, UncertaintyParams
+from stair_inspector.params import DisplayParams, SurveyParams
 from stair_inspector.stages.climbs import find_climbs
 from stair_inspector.stages.doubt import edge_doubt, slope_doubt
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.survey import measure_survey
+from stair_inspector.stated_uncertainty import UncertaintyParams
 
 RISE, GOING, WIDTH, DEPTH = 0.17, 0.28, 1.0, 0.3
 ALONG_X = np.array([1.0, 0.0])

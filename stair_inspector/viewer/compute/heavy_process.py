@@ -142,7 +142,9 @@ def _read_only(value: T) -> T:
     """Clear the writeable flag of the arrays in a result, which copying between processes has set again."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         for item in dataclasses.fields(value):
-            array = getattr(value, item.name)
-            if isinstance(array, np.ndarray):
-                array.flags.writeable = False
+            held = getattr(value, item.name)
+            if isinstance(held, np.ndarray):
+                held.flags.writeable = False
+            else:
+                _read_only(held)
     return value

@@ -10,7 +10,7 @@ from stair_inspector.errors import StairError
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.memo import Memo
 from stair_inspector.model import HeightOrder, Inspection, Scan
-from stair_inspector.params import Params, ScanUnit
+from stair_inspector.params import FileReading, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.compute.heavy_process import Cancelled
@@ -64,11 +64,11 @@ class Prepared:
 class Listener:
     """Who is told of a run, each on the thread of the runs.
 
-    ``find(request, read)`` returns the scan, from ``read(unit)``, and the request as it is to be run; ``done`` gets a
-    result, ``failed`` a sentence, ``progress`` what is being computed.
+    ``find(request, read)`` returns the scan, from ``read(reading)``, and the request as it is to be run; ``done`` gets
+    a result, ``failed`` a sentence, ``progress`` what is being computed.
     """
 
-    find: Callable[[Request, Callable[[ScanUnit], Scan]], tuple[Request, Scan]]
+    find: Callable[[Request, Callable[[FileReading], Scan]], tuple[Request, Scan]]
     done: Callable[[Request, Scan, Inspection, Prepared], None]
     failed: Callable[[str], None]
     progress: Callable[[Progress], None]
@@ -136,7 +136,7 @@ class Runs:
         try:
             if not self._is_wanted():
                 raise Cancelled
-            request, scan = self._listener.find(request, lambda unit: self._workshop.read(path, unit, self._is_wanted))
+            request, scan = self._listener.find(request, lambda how: self._workshop.read(path, how, self._is_wanted))
             self._n_points = len(scan.points)
             inspection = inspect(scan, request.params, self._memo)
             self._stage = None

@@ -9,7 +9,7 @@ from typing import TypeVar, cast
 
 from stair_inspector.files.scans import read_scan
 from stair_inspector.model import Scan
-from stair_inspector.params import ScanUnit
+from stair_inspector.params import FileReading
 from stair_inspector.viewer.compute.heavy_process import LOOK_S, Cancelled, HeavyProcess, always
 
 T = TypeVar("T")
@@ -28,10 +28,10 @@ class Workshop:
     def __init__(self) -> None:
         self._process = HeavyProcess()
         self._scans = _Cache(_SCANS_KEPT)
-        self._stamps: dict[tuple[Path, ScanUnit], tuple[int, ...]] = {}
+        self._stamps: dict[tuple[Path, FileReading], tuple[int, ...]] = {}
         self._results = _Cache(_RESULTS_KEPT)
 
-    def read(self, path: Path, unit: ScanUnit, is_wanted: Callable[[], bool] = always) -> Scan:
+    def read(self, path: Path, reading: FileReading, is_wanted: Callable[[], bool] = always) -> Scan:
         """Read a scan, or return it if it has been read and the file has not changed.
 
         Raises
@@ -46,10 +46,10 @@ class Workshop:
             stamp: tuple[int, ...] = (status.st_mtime_ns, status.st_size)
         except OSError:
             # The file is gone; what has been read of it can still be measured.
-            stamp = self._stamps.get((path, unit), ())
-        self._stamps[path, unit] = stamp
-        make = partial(self._process.run, read_scan, path, unit)
-        return cast(Scan, self._scans.get((path, unit, stamp), make, is_wanted))
+            stamp = self._stamps.get((path, reading), ())
+        self._stamps[path, reading] = stamp
+        make = partial(self._process.run, read_scan, path, *reading)
+        return cast(Scan, self._scans.get((path, reading, stamp), make, is_wanted))
 
     def heavy(self, function: Callable[..., T], *inputs: object, is_wanted: Callable[[], bool] = always) -> T:
         """Run a pipeline stage in the heavy process, or return its earlier result; see ``pipeline.Memo``."""

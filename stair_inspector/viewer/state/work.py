@@ -37,11 +37,11 @@ def work_beside(work: Work, started: Work) -> Work:
     """Return the work that another scan begins with, after that on the scan that is left.
 
     Settings go on, the rule set with its overlays, decision rule and the user's own rule files, and of the report the
-    surveyor, the firm, the instrument, the logo and the paper. All else belongs to the scan, as the unit, up and
+    surveyor, the firm, the instrument, the logo and the paper. All else belongs to the scan, as unit, station, up and
     overrules, or to the stair, as a limit that was changed for a reason.
     """
     params = dataclasses.replace(
-        work.params, unit=started.params.unit, up=started.params.up, overrules=OverrulesParams()
+        work.params, up=started.params.up, overrules=OverrulesParams(), **started.params.reading._asdict()
     )
     fields = {name: getattr(work.basis.fields, name) for name in OF_THE_SURVEYOR}
     basis = dataclasses.replace(

@@ -22,7 +22,7 @@ class Waiting:
         self.gate = threading.Event()
         self.has_begun = threading.Event()
 
-    def read(self, path, unit, is_wanted):
+    def read(self, path, reading, is_wanted):
         if path == "broken":
             raise ReadError("broken.ply: is damaged; export it again")
         return self.scan
@@ -56,7 +56,7 @@ def make_runs(scan):
     told = SimpleNamespace(done=[], failed=[], progress=[], logged=[])
     workshop = Waiting(scan)
     listener = Listener(
-        find=lambda request, read: (request, read(request.params.unit)),
+        find=lambda request, read: (request, read(request.params.reading)),
         done=lambda request, scan, inspection, prepared: told.done.append((request, inspection, prepared)),
         failed=told.failed.append,
         progress=told.progress.append,

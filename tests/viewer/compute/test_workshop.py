@@ -13,7 +13,7 @@ import pytest
 from stair_inspector.errors import CannotMeasure, ReadError
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import read_scan
-from stair_inspector.params import NormalsParams
+from stair_inspector.params import FileReading, NormalsParams
 from stair_inspector.stages.orient import find_normals
 from stair_inspector.viewer.compute.heavy_process import Cancelled, HeavyProcess
 from stair_inspector.viewer.compute.threads import Newest, Settle
@@ -130,7 +130,7 @@ def test_the_process_computes_what_this_one_would_and_its_arrays_are_read_only(h
 
 def test_an_error_that_is_told_to_the_user_passes_through(heavy, tmp_path):
     with pytest.raises(ReadError) as there:
-        heavy.run(read_scan, tmp_path / "none.ply", "auto")
+        heavy.run(read_scan, tmp_path / "none.ply", "auto", "")
     with pytest.raises(ReadError) as here:
         read_scan(tmp_path / "none.ply", "auto")
     assert str(there.value) == str(here.value)
@@ -262,7 +262,10 @@ def ask_twice(ask):
 def test_two_who_ask_for_the_same_wait_for_one_computation(process, path, what):
     workshop = Workshop()
     scan = object()
-    ask = {"read": lambda: workshop.read(path, "auto"), "heavy": lambda: workshop.heavy(find_normals, scan, 30)}[what]
+    ask = {
+        "read": lambda: workshop.read(path, FileReading("auto")),
+        "heavy": lambda: workshop.heavy(find_normals, scan, 30),
+    }[what]
     process.gate.clear()
     threads, answers = ask_twice(ask)
     await_true(lambda: len(process.runs) == 1)
@@ -283,13 +286,13 @@ def test_who_no_longer_wants_a_result_leaves_and_the_other_still_gets_it(process
 
     def ask_and_leave():
         try:
-            workshop.read(path, "auto", lambda: not leaving.is_set())
+            workshop.read(path, FileReading("auto"), lambda: not leaving.is_set())
         except Cancelled:
             left.append(True)
 
     threads = [
         threading.Thread(target=ask_and_leave),
-        threading.Thread(target=lambda: answers.append(workshop.read(path, "auto"))),
+        threading.Thread(target=lambda: answers.append(workshop.read(path, FileReading("auto")))),
     ]
     threads[0].start()
     await_true(lambda: len(process.runs) == 1)
@@ -309,16 +312,16 @@ def test_what_nobody_wants_any_longer_is_stopped_and_made_anew_when_asked_for_ag
     leaving = threading.Event()
     threading.Timer(0.1, leaving.set).start()
     with pytest.raises(Cancelled):
-        workshop.read(path, "auto", lambda: not leaving.is_set())
+        workshop.read(path, FileReading("auto"), lambda: not leaving.is_set())
     assert process.stopped.wait(LONG_S)
     process.gate.set()
-    assert workshop.read(path, "auto") is workshop.read(path, "auto")
+    assert workshop.read(path, FileReading("auto")) is workshop.read(path, FileReading("auto"))
     assert len(process.runs) == 2
 
 
 def test_two_who_ask_for_different_things_get_different_things(process, path):
     workshop = Workshop()
-    assert workshop.read(path, "m") is not workshop.read(path, "mm")
+    assert workshop.read(path, FileReading("m")) is not workshop.read(path, FileReading("mm"))
     scan = object()
     assert workshop.heavy(find_normals, scan, 30) is not workshop.heavy(find_normals, scan, 31)
     assert len(process.runs) == 4
@@ -326,13 +329,13 @@ def test_two_who_ask_for_different_things_get_different_things(process, path):
 
 def test_a_file_that_has_changed_is_read_again(process, path):
     workshop = Workshop()
-    first = workshop.read(path, "auto")
+    first = workshop.read(path, FileReading("auto"))
     path.write_bytes(b"longer")
-    second = workshop.read(path, "auto")
+    second = workshop.read(path, FileReading("auto"))
     assert second is not first
     status = path.stat()
     os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns + 1_000_000))
-    assert workshop.read(path, "auto") is not second
+    assert workshop.read(path, FileReading("auto")) is not second
     assert len(process.runs) == 3
 
 
@@ -340,25 +343,25 @@ def test_a_failure_is_not_kept(process, path):
     workshop = Workshop()
     process.failures = [ReadError("damaged")]
     with pytest.raises(ReadError, match="damaged"):
-        workshop.read(path, "auto")
-    assert workshop.read(path, "auto") is workshop.read(path, "auto")
+        workshop.read(path, FileReading("auto"))
+    assert workshop.read(path, FileReading("auto")) is workshop.read(path, FileReading("auto"))
     assert len(process.runs) == 2
 
 
 def test_a_missing_file_is_asked_of_the_reader(process, tmp_path):
-    Workshop().read(tmp_path / "none.ply", "auto")
-    assert process.runs == [(read_scan, tmp_path / "none.ply", "auto")]
+    Workshop().read(tmp_path / "none.ply", FileReading("auto"))
+    assert process.runs == [(read_scan, tmp_path / "none.ply", "auto", "")]
 
 
 def test_the_least_recent_scans_are_let_go(process, tmp_path):
     workshop = Workshop()
     paths = [tmp_path / f"{n}.ply" for n in range(_SCANS_KEPT + 1)]
-    kept = workshop.read(paths[0], "auto")
+    kept = workshop.read(paths[0], FileReading("auto"))
     for path in paths[1:]:
-        workshop.read(path, "auto")
-        assert (workshop.read(paths[0], "auto") is kept) is True
+        workshop.read(path, FileReading("auto"))
+        assert (workshop.read(paths[0], FileReading("auto")) is kept) is True
     n_runs = len(process.runs)
-    workshop.read(paths[1], "auto")
+    workshop.read(paths[1], FileReading("auto"))
     assert len(process.runs) == n_runs + 1
 
 
@@ -367,11 +370,11 @@ def test_a_scan_whose_file_has_gone_can_still_be_measured(tmp_path):
     path.write_bytes(ply_bytes(np.random.default_rng(0).uniform(0.0, 2.0, (200, 3))))
     workshop = Workshop()
     try:
-        scan = workshop.read(path, "m")
+        scan = workshop.read(path, FileReading("m"))
         path.unlink()
-        assert workshop.read(path, "m") is scan
+        assert workshop.read(path, FileReading("m")) is scan
         with pytest.raises(ReadError):
-            workshop.read(path, "mm")
+            workshop.read(path, FileReading("mm"))
     finally:
         workshop.close()
 

@@ -1,4 +1,4 @@
-"""The Scan tab: which file, its unit, up and region, and how its points are drawn."""
+"""The Scan tab: which file, its unit, station, up and region, and how its points are drawn."""
 
 import viser
 
@@ -6,6 +6,7 @@ from stair_inspector.viewer.bridge.widgets import File, offer
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import examination_html
 from stair_inspector.viewer.parts.part import Context, PagePart
+from stair_inspector.viewer.parts.scan.one_station import StationMenu
 from stair_inspector.viewer.parts.scan.points import PointsFolder
 from stair_inspector.viewer.parts.scan.region import RegionTool
 from stair_inspector.viewer.parts.scan.upright import UprightTool
@@ -45,6 +46,7 @@ class ScanPart(PagePart):
         widgets.button("Look for new scans", self.look_for_scans, icon=viser.Icon.REFRESH, is_quiet=True)
         controls.add_choice("method")
         controls.add_choice("unit")
+        self.station = StationMenu(context)
         controls.add_choice("stations")
         controls.add_up()
         self.upright = UprightTool(context)
@@ -58,6 +60,8 @@ class ScanPart(PagePart):
             self.examination.content = examination_html(self._desk.marked, self._cures.uuid)
         if what & {PageChange.RESULT, PageChange.SCAN}:
             self.upright.show()
+        if what & {PageChange.RESULT, PageChange.WORK, PageChange.SCAN}:
+            self.station.show()
         if what & {PageChange.SCAN, PageChange.CLOUD}:
             self.points.show()
         if what & {PageChange.WORK, PageChange.SCAN, PageChange.CLOUD}:

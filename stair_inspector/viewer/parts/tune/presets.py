@@ -173,7 +173,7 @@ def known_presets(started: Params) -> dict[str, Params]:
 
 def _of_scan(params: Params, preset: Params) -> Params:
     """Return a preset's settings with what belongs to the scan and not to a kind of scanner."""
-    return dataclasses.replace(preset, overrules=params.overrules, unit=params.unit, up=params.up)
+    return dataclasses.replace(preset, overrules=params.overrules, up=params.up, **params.reading._asdict())
 
 
 def _suggestion_html(suggestion: Suggestion | None, why_not: str) -> str:

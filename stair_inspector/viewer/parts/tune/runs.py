@@ -208,9 +208,9 @@ class RunComparison:
         outcome: Inspection | str = "an internal error; the server's log has the details"
         try:
             scan = shown.scan
-            if params.unit != shown.inspection.params.unit:
-                # The same numbers of the file are other metres.
-                scan = self._workshop.read(self._keeper.scan, params.unit, job.is_wanted)
+            if params.reading != shown.inspection.params.reading:
+                # The same numbers of the file are other points.
+                scan = self._workshop.read(self._keeper.scan, params.reading, job.is_wanted)
             if scan.sha256 != sha256:
                 raise ConfigError(f"{shown.label} has changed since; press Run again")
             outcome = inspect(scan, params, job.memo)

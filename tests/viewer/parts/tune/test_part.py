@@ -9,7 +9,7 @@ from tests.viewer.wire_page import await_that
 
 def test_every_setting_has_its_control_on_the_page_but_those_that_a_tool_of_the_scene_sets(page):
     controls = page.session.editor.controls._controls
-    assert set(SETTINGS) - set(controls) == set(SETTINGS.at("scene")) == {"overrules.region"}
+    assert set(SETTINGS) - set(controls) == set(SETTINGS.at("scene")) == {"overrules.region", "station"}
 
 
 @pytest.mark.parametrize("name", SETTINGS.at("more"))

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from stair_inspector.params import Params
+from stair_inspector.params import FileReading, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.viewer.compute.heavy_process import Cancelled
 from stair_inspector.viewer.parts.desk import Shown
@@ -61,9 +61,9 @@ class Workshop:
         self.gate = threading.Event()
         self.gate.set()
 
-    def read(self, path, unit, is_wanted):
-        self.asked.append((path, unit))
-        return self.scans[unit]
+    def read(self, path, reading, is_wanted):
+        self.asked.append((path, reading))
+        return self.scans[reading.unit]
 
     def heavy(self, function, *inputs, is_wanted):
         self.n_heavy += 1
@@ -267,7 +267,7 @@ def test_a_run_in_another_unit_is_measured_on_the_scan_read_in_that_unit(page):
     kept = dataclasses.replace(page.editor.work.runs[0], params=PARAMS.replaced("unit", "mm"))
     page.editor.edit("", lambda work: {"runs": (kept,)})
     await_true(lambda: "comparison-table" in page.comparing.comparison.content)
-    assert page.workshop.asked == [("folder/stair.ply", "mm")]
+    assert page.workshop.asked == [("folder/stair.ply", FileReading("mm"))]
 
 
 @pytest.mark.parametrize("name", [NO_RUN, AS_SHOWN])
