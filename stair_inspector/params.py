@@ -271,8 +271,8 @@ class Params:
     stations: Annotated[
         Stations,
         Setting("Stations", place="scan").says(
-            "Stations that do not lie over each other: 'auto' lays them onto each other where the order of the points "
-            "tells them apart, 'as_read' leaves every point where it is (survey)."
+            "Stations that do not lie over each other: 'auto' lays them onto each other where the file or the order "
+            "of its points tells them apart, 'as_read' leaves every point where it is (survey)."
         ),
     ] = "auto"
     normals: NormalsParams = field(default_factory=NormalsParams)

@@ -18,7 +18,7 @@ NON_STAIR_LABEL = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Normals:
-    """Unit normals ``vectors`` (n, 3) of a scan's points, scan axes, sign free."""
+    """Unit normals ``vectors`` (n, 3) of a scan's points, scan axes; sign free, but where stations are known."""
 
     vectors: Floats
 

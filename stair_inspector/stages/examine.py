@@ -112,9 +112,9 @@ def examine(scan: Scan) -> Examination:
 
 
 def _find_ways(scan: Scan, steps_m: Floats) -> tuple[DoubledWay, ...]:
-    """Return how surfaces are double; where it is known which way each faces, the two faces of a board are not."""
+    """Return how surfaces are double; two faces of a board are not, where it is known how each faces or was seen."""
     if scan.is_outward is None or scan.normals is None:
-        return find_ways(scan.points, steps_m)
+        return find_ways(scan.points, steps_m, scan.stations)
     front = is_front(scan.normals)
     found: list[DoubledWay] = []
     for of_side in (front, ~front):

@@ -6,6 +6,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
+from stair_inspector.model import ScanStations
 
 _MOST_POINTS = 100_000
 _CELL_M = 0.15
@@ -35,6 +36,8 @@ _FEWEST_CELLS = 10
 _LEAST_SHARE, _LEAST_HINT, _HINT_AGREEING = 0.2, 0.05, 0.8
 _AGREEING = 0.6
 SAME_PLANE_M = 0.03
+_FROM_ONE_SIDE = 0.05
+"""Sine of the angle to a surface, about 3 degrees, from which on it is certain from which side a station saw it."""
 LEAST_STEPS = 3.0
 """Coordinates on a step lie in layers one and two steps apart."""
 _SURELY_NO_SLAB = 0.8
@@ -68,7 +71,7 @@ class Split:
     offset_m: Floats
 
 
-def find_doubled(points: Floats, steps_m: Floats) -> tuple[DoubledWay, ...]:
+def find_doubled(points: Floats, steps_m: Floats, stations: ScanStations | None = None) -> tuple[DoubledWay, ...]:
     """Find the directions in which surfaces are double.
 
     Parameters
@@ -77,6 +80,8 @@ def find_doubled(points: Floats, steps_m: Floats) -> tuple[DoubledWay, ...]:
         Any frame.
     steps_m : (3,)
         The step of the coordinates on each axis, which makes layers of its own.
+    stations : ScanStations, optional
+        What stations saw from opposite sides is no surface twice, but the two faces of a slab.
 
     Notes
     -----
@@ -85,15 +90,17 @@ def find_doubled(points: Floats, steps_m: Floats) -> tuple[DoubledWay, ...]:
     much of what faces one way, and on its largest plane as well: open treads show their undersides at one distance,
     but the floor has none. What lies less than a slab's thickness apart needs no floor to be told from slabs.
     """
-    return tuple(way for way in find_ways(points, steps_m) if way.is_sure)
+    return tuple(way for way in find_ways(points, steps_m, stations) if way.is_sure)
 
 
-def find_ways(points: Floats, steps_m: Floats) -> tuple[DoubledWay, ...]:
+def find_ways(points: Floats, steps_m: Floats, stations: ScanStations | None = None) -> tuple[DoubledWay, ...]:
     """Do the same, and find those directions too in which surfaces are double on too few cells to be sure."""
-    some = points[:: -(-len(points) // _MOST_POINTS)]
+    stride = -(-len(points) // _MOST_POINTS)
+    some = points[::stride]
+    sight = sight_of(points, stations, stride)
     found: list[DoubledWay] = []
     for shift_m in (0.0, _CELL_M / 2.0):
-        cells = Cells(some, shift_m)
+        cells = Cells(some, shift_m, sight)
         for normal, members in cells.ways():
             way = _judge(cells, normal, members, float(np.abs(normal) @ steps_m))
             if way is not None:
@@ -105,14 +112,23 @@ def find_ways(points: Floats, steps_m: Floats) -> tuple[DoubledWay, ...]:
     return tuple(found)
 
 
+def sight_of(points: Floats, stations: ScanStations | None, stride: int) -> Floats | None:
+    """Return the way (m, 3) from every ``stride``-th point to the station that saw it, NaN where no one knows."""
+    if stations is None or np.isnan(stations.places_m).all():
+        return None
+    way: Floats = stations.places_m[stations.of_point[::stride]] - points[::stride]
+    return way
+
+
 class Cells:
     """The points of a scan in cubic cells, those with enough points on something flat.
 
     ``points`` (n, 3) metres, cell by cell, and ``rows`` (n,) where each stands in the scan; ``starts`` and ``counts``
-    (c,) say which are a cell's.
+    (c,) say which are a cell's. With the ``sight`` (n, 3) from points to their stations, a cell has only what was seen
+    from one side of it, that from which most of it was seen.
     """
 
-    def __init__(self, points: Floats, shift_m: float = 0.0) -> None:
+    def __init__(self, points: Floats, shift_m: float = 0.0, sight: Floats | None = None) -> None:
         places = np.floor((points - points.min(axis=0) + shift_m) / _CELL_M).astype(np.int64)
         n_y, n_z = places[:, 1].max() + 1, places[:, 2].max() + 1
         keys = (places[:, 0] * n_y + places[:, 1]) * n_z + places[:, 2]
@@ -125,6 +141,25 @@ class Cells:
         self.rows = order[of_point]
         self.points = points[self.rows]
         self.counts = counts[is_full]
+        self.starts = np.cumsum(self.counts) - self.counts
+        self.normals, self.flatness = self._normals()
+        if sight is not None and len(self.counts):
+            self._keep_one_side(sight[self.rows])
+
+    def _keep_one_side(self, sight: Floats) -> None:
+        """Leave out of each cell what was seen from its other side; ``sight`` is that of the cells' points."""
+        across = (sight * np.repeat(self.normals, self.counts, axis=0)).sum(axis=1)
+        sine = across / np.maximum(np.linalg.norm(sight, axis=1), 1e-9)
+        side = np.where(np.abs(sine) >= _FROM_ONE_SIDE, np.sign(sine), 0.0)
+        side[np.isnan(side)] = 0.0
+        most = np.where(np.add.reduceat(side, self.starts) >= 0.0, 1.0, -1.0)
+        is_kept = side * np.repeat(most, self.counts) >= 0.0
+        if is_kept.all():
+            return
+        counts = np.add.reduceat(is_kept.astype(np.int64), self.starts)
+        is_kept &= np.repeat(counts >= _FEWEST_IN_CELL, self.counts)
+        self.rows, self.points = self.rows[is_kept], self.points[is_kept]
+        self.counts = counts[counts >= _FEWEST_IN_CELL]
         self.starts = np.cumsum(self.counts) - self.counts
         self.normals, self.flatness = self._normals()
 

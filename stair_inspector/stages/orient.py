@@ -47,6 +47,11 @@ def find_normals(scan: Scan, params: NormalsParams) -> Normals:
     params : NormalsParams
         Neighbours and source.
 
+    Returns
+    -------
+    Normals
+        Estimated ones point to the station that saw the point, where the scan tells it.
+
     Raises
     ------
     CannotMeasure
@@ -66,7 +71,21 @@ def find_normals(scan: Scan, params: NormalsParams) -> Normals:
         if scan.normals is None:
             raise ConfigError(f"normals.source: {scan.name} holds no normals; use 'estimate'")
         return Normals(scan.normals)
-    return Normals(freeze(estimate_normals(scan.points, params.k)))
+    vectors = estimate_normals(scan.points, params.k)
+    _turn_to_stations(vectors, scan)
+    return Normals(freeze(vectors))
+
+
+def _turn_to_stations(vectors: Floats, scan: Scan) -> None:
+    """Turn those normals (n, 3) that point away from the station that saw the point; where none is known, none."""
+    stations = scan.stations
+    if stations is None:
+        return
+    for k in np.flatnonzero(np.isfinite(stations.places_m).all(axis=1)):
+        own = np.flatnonzero(stations.of_point == k)
+        way = stations.places_m[k] - scan.points[own]
+        away = own[(vectors[own] * way).sum(axis=1) < 0.0]
+        vectors[away] = -vectors[away]
 
 
 def find_up(

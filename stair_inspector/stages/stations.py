@@ -1,11 +1,12 @@
 """Can stations that do not lie over each other be laid onto each other?
 
-Two stations in one file have their points one after the other. Where surfaces are double, the layers then part the
-file's order too, and so tell whose each point is; what lies between the two layers, on all that is double, is the
-motion that lays one station onto the other.
+Some files say which station saw each point. In others, two stations have their points one after the other: where
+surfaces are double, the layers then part the file's order too, and so tell whose each point is. What lies between the
+two layers, on all that is double, is the motion that lays one station onto the other.
 """
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 from stair_inspector.model import Examination, Moved, Observation, Scan
 from stair_inspector.params import Method, Stations
 from stair_inspector.stages.examine import size_text
-from stair_inspector.stages.layers import SAME_WAY, Cells, find_ways
+from stair_inspector.stages.layers import SAME_WAY, Cells, find_ways, sight_of
 from stair_inspector.stages.station_motion import Motion, fit_motion
 
 _MOST_POINTS = 300_000
@@ -43,6 +44,15 @@ _REMEDY = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class _Part:
+    """Which points (n,) are of one station; its number and name where the file tells it."""
+
+    is_own: Bools
+    station: int | None = None
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class _Told:
     """Whether each point (n,) is of the station of the higher layer, and whether the order leaves that untold."""
 
@@ -53,7 +63,7 @@ class _Told:
 def join_stations(
     scan: Scan, examined: Examination, stations: Stations, method: Method = "survey"
 ) -> tuple[Scan, Examination]:
-    """Lay one station onto the other, where surfaces are double and the order of the points tells the stations.
+    """Lay one station onto the others, where surfaces are double and the file, or its order, tells the stations.
 
     Parameters
     ----------
@@ -65,7 +75,7 @@ def join_stations(
     Returns
     -------
     Scan, Examination
-        Unchanged where nothing is double, where the order tells nothing, or where
+        Unchanged where nothing is double, where nothing tells the stations, or where
         something would still be double afterwards.
 
     Notes
@@ -79,20 +89,32 @@ def join_stations(
     if stations == "as_read" or method == "paper" or not len(shifts_m) or scan.is_outward is not None:
         return scan, examined
     stride = -(-len(scan.points) // _MOST_POINTS)
-    cells = Cells(scan.points[::stride])
+    cells = Cells(scan.points[::stride], sight=sight_of(scan.points, scan.stations, stride))
     ways = cells.ways()
-    is_second = _tell_stations(scan.points, cells, ways, stride, shifts_m)
-    if is_second is None:
-        return scan, examined
-    if 2 * np.count_nonzero(is_second) > len(is_second):
-        is_second = ~is_second
-    motion = fit_motion(cells, ways, is_second[::stride][cells.rows])
-    if motion is None or np.linalg.norm(motion.shift) > _MOST_M:
-        return scan, examined
-    points = scan.points.copy()
-    points[is_second] = motion.moved(points[is_second])
-    if any(way.is_sure or _is_along(way.normal, motion.shift) for way in find_ways(points, examined.steps_m)):
-        return scan, examined
+    for part in _parts(scan, cells, ways, stride, shifts_m):
+        is_second = part.is_own
+        motion = fit_motion(cells, ways, is_second[::stride][cells.rows])
+        if motion is None or np.linalg.norm(motion.shift) > _MOST_M:
+            continue
+        points = scan.points.copy()
+        points[is_second] = motion.moved(points[is_second])
+        left = find_ways(points, examined.steps_m, scan.stations)
+        if not any(way.is_sure or _is_along(way.normal, motion.shift) for way in left):
+            return _laid(scan, examined, part, motion, points, doubled, shifts_m)
+    return scan, examined
+
+
+def _laid(
+    scan: Scan,
+    examined: Examination,
+    part: _Part,
+    motion: Motion,
+    points: Floats,
+    doubled: list[Observation],
+    shifts_m: Floats,
+) -> tuple[Scan, Examination]:
+    """Return the scan with the points where they were laid, and what is said of it."""
+    is_second = part.is_own
     place = motion.moved(np.zeros((1, 3)))[0]
     turn = motion.moved(np.eye(3)) - place
     # Stations that are so far apart along one direction may be so along those in which no surface shows it.
@@ -100,13 +122,33 @@ def join_stations(
     moved = Moved(freeze(is_second), freeze(turn.T.copy()), freeze(place.copy()), freeze(unheld_m))
     kept = tuple(found for found in examined.observations if found not in doubled)
     layers_m = shifts_m / np.linalg.norm(shifts_m, axis=1)[:, None] * motion.u_m
-    observations = (*kept, _observe(motion, is_second))
+    observations = (*kept, _observe(motion, part))
     laid = replace(examined, observations=observations, layers_m=layers_m, moved=moved)
     normals = scan.normals
     if normals is not None:
         normals = np.where(is_second[:, None], normals @ turn, normals)
         normals = normals / np.linalg.norm(normals, axis=1)[:, None]
-    return replace(scan, points=freeze(points), normals=normals), laid
+    stations = scan.stations
+    if stations is not None and part.station is not None:
+        places_m = stations.places_m.copy()
+        places_m[part.station] = motion.moved(places_m[[part.station]])[0]
+        stations = replace(stations, places_m=places_m)
+    return replace(scan, points=freeze(points), normals=normals, stations=stations), laid
+
+
+def _parts(scan: Scan, cells: Cells, ways: list[tuple[Floats, Ints]], stride: int, shifts_m: Floats) -> Iterator[_Part]:
+    """Yield the parts of the scan of which one may be a station that lies apart from the others."""
+    stations = scan.stations
+    if stations is None or len(stations.seen) < 2:
+        is_second = _tell_stations(scan.points, cells, ways, stride, shifts_m)
+        if is_second is not None:
+            yield _Part(~is_second if 2 * np.count_nonzero(is_second) > len(is_second) else is_second)
+        return
+    counts = np.bincount(stations.of_point)
+    in_order = sorted(stations.seen.tolist(), key=lambda k: int(counts[k]))
+    # Of two, either parts the scan alike; the larger stays.
+    for k in in_order[:1] if len(in_order) == 2 else in_order[:_MOST_PARTS]:
+        yield _Part(stations.of_point == k, k, stations.names[k])
 
 
 def _is_along(normal: Floats, shift: Floats) -> bool:
@@ -256,11 +298,14 @@ def _cuts(layer: Floats, begin: int, most: int) -> list[int]:
     ]
 
 
-def _observe(motion: Motion, is_second: Bools) -> Observation:
+def _observe(motion: Motion, part: _Part) -> Observation:
     size_m = float(np.linalg.norm(motion.shift))
+    which = f"the file holds stations {size_text(size_m)} apart, one after the other"
+    if part.station is not None:
+        which = f"station '{part.name}' lies {size_text(size_m)} apart from the others"
     message = (
-        f"surfaces were double: the file holds stations {size_text(size_m)} apart, one after the other; "
-        f"{np.count_nonzero(is_second):,} of {len(is_second):,} points were laid onto the others before measuring, "
+        f"surfaces were double: {which}; "
+        f"{np.count_nonzero(part.is_own):,} of {len(part.is_own):,} points were laid onto the others before measuring, "
         f"to within {size_text(motion.u_m)} on each patch of surface"
     )
     return Observation("stations_joined", "doubt", message, size_m, _REMEDY)

@@ -1,0 +1,125 @@
+"""What is made of a file that says which station saw each point, and where it stood."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stair_inspector.model import ScanStations
+from stair_inspector.params import NormalsParams, Params
+from stair_inspector.pipeline import inspect
+from stair_inspector.stages.examine import examine
+from stair_inspector.stages.layers import find_doubled
+from stair_inspector.stages.orient import find_normals
+from stair_inspector.stages.stations import join_stations
+from tests.stages.test_layers import EXACT, station
+from tests.stages.test_stations import apart, simulated
+from tests.synthetic import Stair, make_scan
+
+ORDER = np.random.default_rng(3).permutation(len(simulated()[0].points))
+NOWHERE = np.full((2, 3), np.nan)
+
+
+def known(points, of_point, places_m=None):
+    """A scan of stations A, B, ... whose points are in no order."""
+    k = int(of_point.max()) + 1
+    places_m = np.full((k, 3), np.nan) if places_m is None else places_m
+    return replace(
+        make_scan(points), stations=ScanStations(tuple("ABC"[:k]), np.asarray(of_point, dtype=np.int16), places_m)
+    )
+
+
+def places():
+    """Where the two stations of the simulated scan stood."""
+    return np.array([each.position for each in simulated()[0].stations])
+
+
+@pytest.mark.parametrize("with_places", [True, False])
+def test_stations_in_no_order_are_laid_onto_each_other(with_places):
+    scanned, is_second = simulated()
+    scan = known(apart()[ORDER], is_second[ORDER], places() if with_places else NOWHERE)
+    examined = examine(scan)
+    assert [each.code for each in examined.observations] == ["surfaces_doubled"]
+    laid, now = join_stations(scan, examined, "auto")
+    assert np.array_equal(now.moved.is_moved, is_second[ORDER])
+    off_m = (laid.points - scanned.points[ORDER])[now.moved.is_moved, 2]
+    assert np.abs(off_m).max() < 4e-4
+    (said,) = now.observations
+    assert said.message.startswith("surfaces were double: station 'B' lies 12 mm apart from the others; ")
+    assert np.array_equal(laid.stations.of_point, scan.stations.of_point)
+    if with_places:
+        # The scanner moves with what it saw.
+        assert laid.stations.places_m[0] == pytest.approx(places()[0])
+        assert laid.stations.places_m[1] - places()[1] == pytest.approx([0.0, 0.0, -0.012], abs=1e-3)
+    assert join_stations(scan, examined, "as_read")[0] is scan
+    assert join_stations(scan, examined, "auto", "paper")[0] is scan
+
+
+def test_of_three_stations_the_one_that_lies_apart_moves():
+    scanned, is_second = simulated()
+    # The first station's points as two stations that lie over each other.
+    of_point = np.where(is_second, 1, 2 * (np.arange(len(is_second)) % 2))
+    scan = known(apart()[ORDER], of_point[ORDER])
+    laid, now = join_stations(scan, examine(scan), "auto")
+    assert np.array_equal(now.moved.is_moved, is_second[ORDER])
+    assert np.abs((laid.points - scanned.points[ORDER])[now.moved.is_moved, 2]).max() < 4e-4
+
+
+def test_stations_that_lie_over_each_other_stay():
+    scanned, is_second = simulated()
+    scan = known(scanned.points, is_second, places())
+    examined = examine(scan)
+    assert not examined.observations
+    assert join_stations(scan, examined, "auto") == (scan, examined)
+
+
+def test_two_faces_of_slabs_that_were_seen_from_opposite_sides_are_no_surface_twice():
+    rng = np.random.default_rng(5)
+    floor = station(0.001)
+    slab = np.column_stack([rng.uniform(-1.5, 1.5, (40_000, 2)), np.zeros(40_000)])
+    slabs = [slab + np.array([0.0, 0.0, height]) for height in (1.0, 1.5, 2.0, 2.5)]
+    upper = np.concatenate([floor, *slabs])
+    lower = np.concatenate(slabs) - (0.0, 0.0, 0.02) + rng.normal(0.0, 0.001, (160_000, 3)) * (0.0, 0.0, 1.0)
+    points = np.concatenate([upper, lower])
+    of_point = np.repeat([0, 1], [len(upper), len(lower)])
+    assert len(find_doubled(points, EXACT)) == 1
+    above_and_below = np.array([[0.1, 0.2, 9.0], [0.2, 0.1, -9.0]])
+    assert find_doubled(points, EXACT, known(points, of_point, above_and_below).stations) == ()
+    # Seen from one side, or from nobody knows where, they are.
+    for seen_from in (np.abs(above_and_below), NOWHERE):
+        assert len(find_doubled(points, EXACT, known(points, of_point, seen_from).stations)) == 1
+
+
+def test_estimated_normals_point_to_the_station_that_saw_the_point():
+    points, exact = Stair(risers=True, noise=0.001).sample()
+    of_point = (np.arange(len(points)) % 3 == 0).astype(np.int16)
+    places_m = np.array([[-2.0, 0.5, 2.5], [1.0, 0.3, -4.0]])
+    free = find_normals(make_scan(points), NormalsParams()).vectors
+    found = find_normals(known(points, of_point, places_m), NormalsParams()).vectors
+    assert np.array_equal(np.abs(found), np.abs(free))
+    assert ((found * (places_m[of_point] - points)).sum(axis=1) >= 0.0).all()
+    is_level = exact[:, 2] > 0.9
+    assert np.array_equal(np.sign(found[is_level, 2]), np.where(of_point[is_level] == 0, 1.0, -1.0))
+    assert np.array_equal(find_normals(known(points, of_point, NOWHERE), NormalsParams()).vectors, free)
+
+
+@pytest.mark.parametrize("method", ["paper", "survey"])
+def test_the_values_are_those_of_the_plain_cloud_where_stations_lie_over_each_other(method):
+    scanned, is_second = simulated()
+    plain, told = (
+        inspect(scan, Params(method=method))
+        for scan in (make_scan(scanned.points), known(scanned.points, is_second, places()))
+    )
+    assert len(plain.steps) > 4
+    for mine, other in zip(told.steps, plain.steps, strict=True):
+        assert mine.paper == other.paper
+        assert mine.rise_m == other.rise_m
+        assert mine.going_m == other.going_m
+        assert mine.width_m == other.width_m
+
+
+def test_a_large_scan_with_stations_is_thinned_too():
+    points, _ = Stair(n_steps=3, spacing=0.0032, noise=0.001).sample()
+    assert len(points) > 150_000
+    scan = known(points, (np.arange(len(points)) % 2).astype(np.int16))
+    assert len(inspect(scan, Params()).steps) == 3
