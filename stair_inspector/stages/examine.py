@@ -27,7 +27,7 @@ POINTS_PER_TREAD = 100
 """So many are enough to measure a tread."""
 TREAD_M2 = priors.USUAL_GOING_M * priors.USUAL_WIDTH_M
 """A usual tread, by which the density of a scan is judged."""
-_CURES = {
+CURES = {
     "coordinates_rounded": (
         "export once more with full precision: LAS or LAZ with a scale of 0.0001 m, E57 or PLY in double precision, "
         "text with five decimals of a metre"
@@ -93,7 +93,7 @@ def examine(scan: Scan) -> Examination:
     axis = find_mirrored_copy(scan) if steps.steps_m.max() < _FINE * spacing_m else None
     if axis is not None:
         message = f"the cloud also holds a mirror image of itself across {'xyz'[axis]} = 0"
-        found.append(Observation("cloud_mirrored", "doubt", message, None, _CURES["cloud_mirrored"]))
+        found.append(Observation("cloud_mirrored", "doubt", message, None, CURES["cloud_mirrored"]))
     if TREAD_M2 / spacing_m**2 < POINTS_PER_TREAD:
         found.append(_observe_sparse(spacing_m, round(TREAD_M2 / spacing_m**2)))
     # One point in each cell: no two are alike, and none is farther from the next than a cell or its diagonal.
@@ -186,7 +186,7 @@ def _observe_steps(scan: Scan, steps: CoordinateSteps) -> list[Observation]:
         message = f"{whose} lie on a lattice of {size}{turned}, as of voxels or a grid"
     if largest_m >= _HIDES_LAYERS_M:
         message += f"; stations less than {size_text(LEAST_STEPS * largest_m)} apart cannot be told in it"
-    return [Observation(code, "doubt", message, largest_m, _CURES[code])]
+    return [Observation(code, "doubt", message, largest_m, CURES[code])]
 
 
 def _sizes(scan: Scan, steps_m: Floats) -> str:
@@ -208,13 +208,13 @@ def _observe_doubled(doubled: tuple[DoubledWay, ...]) -> Observation:
         f"surfaces are double, {size_text(largest.apart_m)} apart{others}, on {largest.share:.0%} of what faces "
         "that way: stations that do not lie over each other"
     )
-    return Observation("surfaces_doubled", "doubt", message, largest.apart_m, _CURES["surfaces_doubled"])
+    return Observation("surfaces_doubled", "doubt", message, largest.apart_m, CURES["surfaces_doubled"])
 
 
 def _observe_copy(shift: Floats) -> Observation:
     size_m = float(np.linalg.norm(shift))
     message = f"the cloud holds itself twice, shifted by {size_text(size_m)}"
-    return Observation("cloud_copied", "doubt", message, size_m, _CURES["cloud_copied"])
+    return Observation("cloud_copied", "doubt", message, size_m, CURES["cloud_copied"])
 
 
 def _observe_facets(facet_m: float) -> Observation:
@@ -222,7 +222,7 @@ def _observe_facets(facet_m: float) -> Observation:
         f"a scanned mesh, its corners about {size_text(facet_m)} apart: it rounds what is finer, the sides of treads "
         "above all; u holds that, but nothing that its maker smoothed beyond it"
     )
-    return Observation("mesh_scanned", "doubt", message, facet_m, _CURES["mesh_scanned"])
+    return Observation("mesh_scanned", "doubt", message, facet_m, CURES["mesh_scanned"])
 
 
 def _observe_sparse(spacing_m: float, per_tread: int) -> Observation:
@@ -231,4 +231,4 @@ def _observe_sparse(spacing_m: float, per_tread: int) -> Observation:
         f"{priors.USUAL_GOING_M * 1000.0:.0f} x {priors.USUAL_WIDTH_M * 1000.0:.0f} mm, where {POINTS_PER_TREAD} are "
         "needed"
     )
-    return Observation("points_sparse", "doubt", message, spacing_m, _CURES["points_sparse"])
+    return Observation("points_sparse", "doubt", message, spacing_m, CURES["points_sparse"])

@@ -23,6 +23,8 @@ _STAYED = 0.25
 the other their undersides, the floor is not double. Two planes show it: a pane seen from both sides is one."""
 _TURNED = 0.9
 """A turn is made where it leaves so much less between the stations."""
+_ON_STEPS, _OF_STEP = 1.05, 0.5
+"""Coordinates on a step lie on it or on the next, and a distance is off by half of one."""
 _UNTOLD = 0.05
 """Motions that the surfaces hold less firmly, as a share of the firmest, are not made."""
 
@@ -55,7 +57,7 @@ class Motion:
         return points + self.shift + np.cross(self.turn, points - self.centre)
 
 
-def fit_motion(cells: Cells, ways: list[tuple[Floats, Ints]], of_point: Bools) -> Motion | None:
+def fit_motion(cells: Cells, ways: list[tuple[Floats, Ints]], of_point: Bools, rounded_m: float = 0.0) -> Motion | None:
     """Return the motion that lays the second station onto the first, from the cells that hold points of both.
 
     Parameters
@@ -64,6 +66,8 @@ def fit_motion(cells: Cells, ways: list[tuple[Floats, Ints]], of_point: Bools) -
         Of one scan: its points in cells, and the cells that face each of the main ways.
     of_point : (n,)
         Whether each point of the cells is of the second station.
+    rounded_m : float
+        Step of the coordinates, by which distances differ from plane to plane.
 
     Returns
     -------
@@ -73,15 +77,15 @@ def fit_motion(cells: Cells, ways: list[tuple[Floats, Ints]], of_point: Bools) -
     normals, places, apart = [], [], []
     usual_m = np.inf
     for normal, members in ways:
-        met = [_distance(cells, int(cell), normal, of_point) for cell in members]
-        found = [each for each in met if each is not None and each.u_m <= usual_m]
+        found = [each for each in _distances(cells, members, normal, of_point, rounded_m) if each.u_m <= usual_m]
         if len(found) < _FEWEST_CELLS:
             continue
         # Most cells face the first way; others that scatter much more hold an edge.
         usual_m = min(usual_m, _BEYOND * float(np.median([each.u_m for each in found])))
         off = np.array([each.apart_m for each in found])
         where = np.array([each.place for each in found])
-        near = _agreeing(_without_slope(off, where, normal), where @ normal, np.median([each.u_m for each in found]))
+        u_m = float(np.median([each.u_m for each in found]))
+        near = _agreeing(_without_slope(off, where, normal), where @ normal, u_m, rounded_m)
         if near is None or not _is_on_largest(cells.middles()[members] @ normal, where[near] @ normal):
             continue
         normals.append(np.tile(normal, (int(near.sum()), 1)))
@@ -103,23 +107,31 @@ def fit_motion(cells: Cells, ways: list[tuple[Floats, Ints]], of_point: Bools) -
     return motion
 
 
-def _agreeing(apart_m: Floats, offset_m: Floats, u_m: float) -> Bools | None:
+def _agreeing(apart_m: Floats, offset_m: Floats, u_m: float, rounded_m: float = 0.0) -> Bools | None:
     """Return which cells (n,) that face one way show the distance on which they agree, None where they do not agree.
 
     ``offset_m`` (n,) are their places along their normal: those of one plane lie together.
     """
     low, high = _shortest_half(apart_m)
     # The face of a nosing seen by one and that of the riser by the other are not one surface twice.
-    if high - low > _MOST_SPREAD_M + _BEYOND * u_m:
+    if high - low > _MOST_SPREAD_M + _BEYOND * u_m + rounded_m:
         return None
-    middle, reach_m = 0.5 * (low + high), _BEYOND * max(high - low, 1e-4)
+    middle, reach_m = 0.5 * (low + high), max(_BEYOND * max(high - low, 1e-4), _OF_STEP * rounded_m)
     near: Bools = np.abs(apart_m - middle) <= reach_m
+    of_planes = _of_planes(apart_m, offset_m)
+    is_shown = np.count_nonzero(np.abs(of_planes - middle) <= reach_m) >= FEWEST_PLANES
+    return near if is_shown and not _has_stayed(of_planes, middle) and near.mean() >= _AGREEING else None
+
+
+def _of_planes(apart_m: Floats, offset_m: Floats) -> Floats:
+    """Return the median distance (k,) on each plane of enough cells."""
     order = np.argsort(offset_m)
     planes = np.split(order, 1 + np.flatnonzero(np.diff(offset_m[order]) > SAME_PLANE_M))
-    of_planes = np.array([np.median(apart_m[each]) for each in planes if len(each) >= FEWEST_ON_PLANE])
-    is_shown = np.count_nonzero(np.abs(of_planes - middle) <= reach_m) >= FEWEST_PLANES
-    has_stayed = bool((np.abs(of_planes) < _STAYED * abs(middle)).any())
-    return near if is_shown and not has_stayed and near.mean() >= _AGREEING else None
+    return np.array([np.median(apart_m[each]) for each in planes if len(each) >= FEWEST_ON_PLANE])
+
+
+def _has_stayed(of_planes: Floats, apart_m: float) -> bool:
+    return bool((np.abs(of_planes) < _STAYED * abs(apart_m)).any())
 
 
 def _is_on_largest(offset_m: Floats, shown_m: Floats) -> bool:
@@ -161,7 +173,31 @@ def _shortest_half(values: Floats) -> tuple[float, float]:
     return float(ordered[k]), float(ordered[k + half])
 
 
-def _distance(cells: Cells, cell: int, normal: Floats, of_point: Bools) -> _Distance | None:
+def distance_apart(cells: Cells, way: tuple[Floats, Ints], of_point: Bools, rounded_m: float = 0.0) -> float | None:
+    """Return how far the second station lies beyond the first along one way, metres; parameters as above.
+
+    None where few cells hold points of both, a plane has stayed, or the largest that faces this way shows another
+    distance: slabs that were seen from above and from below are double, and the floor is not.
+    """
+    normal, members = way
+    found = _distances(cells, members, normal, of_point, rounded_m)
+    if len(found) < _FEWEST_CELLS:
+        return None
+    off, where = np.array([each.apart_m for each in found]), np.array([each.place for each in found])
+    apart_m = float(np.median(off))
+    is_shown = np.abs(off - apart_m) <= 0.5 * abs(apart_m)
+    if _has_stayed(_of_planes(off, where @ normal), apart_m):
+        return None
+    is_floor = _is_on_largest(cells.middles()[members] @ normal, where[is_shown] @ normal)
+    return float(off[is_shown].mean()) if is_floor and is_shown.mean() > 0.5 else None
+
+
+def _distances(cells: Cells, members: Ints, normal: Floats, of_point: Bools, rounded_m: float) -> list[_Distance]:
+    met = [_distance(cells, int(cell), normal, of_point, rounded_m) for cell in members]
+    return [each for each in met if each is not None]
+
+
+def _distance(cells: Cells, cell: int, normal: Floats, of_point: Bools, rounded_m: float) -> _Distance | None:
     """Return how far the second station's plane lies beyond the first's in a cell, None where either has few points."""
     own = slice(cells.starts[cell], cells.starts[cell] + cells.counts[cell])
     is_second = of_point[own]
@@ -171,7 +207,8 @@ def _distance(cells: Cells, cell: int, normal: Floats, of_point: Bools) -> _Dist
     points = cells.points[own]
     r = points @ normal
     off = r - np.where(is_second, np.median(r[is_second]), np.median(r[~is_second]))
-    is_near = np.abs(off) <= _BEYOND * max(mad_sigma(off), 1e-4)
+    # Where most lie on one step, the others belong to the surface too.
+    is_near = np.abs(off) <= max(_BEYOND * max(mad_sigma(off), 1e-4), _ON_STEPS * rounded_m)
     second = is_second[is_near].astype(np.float64)
     n_second = int(np.count_nonzero(second))
     if min(n_second, len(second) - n_second) < _FEWEST_OF_EACH:

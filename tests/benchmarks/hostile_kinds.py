@@ -275,6 +275,22 @@ def stations_apart(seed: int) -> Iterator[Variant]:
         yield variant_of(name, EVEN, replace(TLS, seed=seed), points_of=points_of)
 
 
+def stations_apart_unseen(seed: int) -> Iterator[Variant]:
+    """Stations apart in height where noise or rounding fills the gap between the layers."""
+
+    def points_of(simulated: SimulatedScan, apart_m: float) -> np.ndarray:
+        return simulated.points + np.where(simulated.station_ids == 1, apart_m, 0.0)[:, None] * np.eye(3)[2]
+
+    for noise_m, apart_m, step_m in ((5, 6, 0), (5, 12, 0), (5, 22, 0), (1, 12, 4), (1, 12, 5)):
+        yield variant_of(
+            f"{apart_m} mm, noise {noise_m} mm, on {step_m} mm, seed {seed}",
+            EVEN,
+            replace(TLS, noise_m=0.001 * noise_m, seed=seed),
+            spoil=on_step(0.001 * step_m) if step_m else lambda points: points,
+            points_of=functools.partial(points_of, apart_m=0.001 * apart_m),
+        )
+
+
 def half_of_the_points(seed: int) -> Iterator[Variant]:
     """Half of the points, and a third, at random."""
     for share in (0.5, 0.33):
@@ -381,7 +397,8 @@ def stood_on(seed: int) -> Iterator[Variant]:
         spoil = without_disc(((step - 1) * stair.going_m + behind_m, 0.1, step * stair.rise_m), radius_m)
         name = f"a hole of {radius_m:g} m on step {step}, seed {seed}"
         yield _built(name, stair, buildings.stood_on(stair, ()), seed, yaw(25.0 * seed), spoil)
-    for thick_m, width_m, aside_m in ((0.006, 0.7, 0.0), (0.009, 0.9, 0.0), (0.012, 0.7, 0.0), (0.009, 0.5, 0.3)):
+    runners = (0.006, 0.7, 0.0), (0.009, 0.9, 0.0), (0.012, 0.7, 0.0), (0.009, 0.5, 0.3), (0.018, 0.7, 0.0)
+    for thick_m, width_m, aside_m in (*runners, (0.025, 0.8, 0.0), (0.018, 0.95, 0.0)):
         built = buildings.with_runner(stair, thick_m, width_m, aside_m)
         name = f"a runner of {1000.0 * thick_m:g} mm, {width_m:g} m wide, {aside_m:g} m aside, seed {seed}"
         yield _built(name, stair, built, seed, yaw(25.0 * seed))
@@ -408,6 +425,7 @@ KINDS: dict[str, Callable[[int], Iterator[Variant]]] = {
     "seen from the foot": from_the_foot,
     "sparse": sparse,
     "stations apart": stations_apart,
+    "stations apart, unseen": stations_apart_unseen,
     "part of the points": half_of_the_points,
     "float32 far away": far_in_float32,
     "curved": curved,

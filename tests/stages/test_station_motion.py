@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from stair_inspector.stages.station_layers import _by_order, _lower_of_two
 from stair_inspector.stages.station_motion import _agreeing, _is_on_largest
-from stair_inspector.stages.stations import _by_order, _lower_of_two
 
 PLANES_M = np.repeat([0.0, 0.17, 0.34], 10)
 NOISE_M = np.random.default_rng(1).normal(0.0, 1e-4, 30)

@@ -198,6 +198,30 @@ def test_what_would_still_be_double_afterwards_stays():
     assert now is examined
 
 
+def test_stations_apart_are_laid_where_rounding_fills_the_gap():
+    is_second = simulated()[1]
+    scan, examined, laid, now = joined(np.round(apart() / 0.005) * 0.005)
+    assert [each.code for each in examined.observations] == ["coordinates_rounded"]
+    assert [each.code for each in now.observations] == ["coordinates_rounded", "stations_joined"]
+    assert np.count_nonzero(now.moved.is_moved != is_second) < 0.01 * len(is_second)
+    off_m = (laid.points - scan.points)[is_second, 2]
+    assert np.median(off_m) == pytest.approx(-0.012, abs=0.001)
+    left, as_read = join_stations(scan, examined, "as_read")
+    assert left is scan
+    assert [each.code for each in as_read.observations] == ["coordinates_rounded", "surfaces_doubled"]
+
+
+def test_where_noise_fills_the_gap_and_too_few_points_tell_where_a_station_begins_u_holds_it():
+    noise_m = np.random.default_rng(5).normal(0.0, 0.005, apart().shape)
+    scan, examined, laid, now = joined(apart() + noise_m)
+    assert examined.observations == ()
+    assert laid is scan
+    (said,) = now.observations
+    assert (said.code, said.level) == ("surfaces_doubled", "doubt")
+    assert said.size_m == pytest.approx(0.012, abs=0.001)
+    assert np.abs(now.layers_m) == pytest.approx(np.array([[0.0, 0.0, 0.012]]), abs=0.001)
+
+
 @pytest.mark.slow
 def test_stations_that_have_little_in_common_are_told_by_the_order_of_the_points():
     # Too few cells are double to tell it by themselves; a shuffled file says nothing.
