@@ -35,7 +35,7 @@ NOSING_THICKNESS_M = 0.05
 """So much below a nosing its own front may stand before the riser."""
 WIDEST_BAR_M, USUAL_BAR_M, WIDEST_BAR_GAP_M = 0.15, 0.06, 0.105
 """Treads of bars, as gratings and planks: a wider piece is no bar, two of them side by side are two surfaces."""
-RUNNER_THICKNESS_M = (0.004, 0.02)
+RUNNER_THICKNESS_M = (0.004, 0.03)
 """Between these, a strip on a tread is a runner of carpet and no unevenness, and no other tread."""
 USUAL_WIDTH_M = 1.0
 

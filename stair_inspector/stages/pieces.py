@@ -24,6 +24,7 @@ from stair_inspector.stages.foot import without_floor_strips
 from stair_inspector.stages.links import depth_along
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.runners import bare_treads
+from stair_inspector.stages.thick_runners import with_bare_sides
 
 _ROUNDS = 3
 """A piece that is joined may let the flight go on, and so find the pieces of the next tread."""
@@ -66,6 +67,9 @@ def find_flights(
         Of these surfaces, without strips of floor.
     """
     chains = find_chains(patches, params, least_area_m2, forced)
+    whole = with_bare_sides(horizontal, patches, chains, forced)
+    if whole is not patches:
+        patches, chains = whole, find_chains(whole, params, least_area_m2, forced)
     for _ in range(_ROUNDS):
         better = _joined(horizontal, _parted(horizontal, patches, chains, forced), chains, forced)
         if better is patches:

@@ -58,6 +58,8 @@ RUNNERS = [
     pytest.param(0.2, 0.9, 0.009, id="9 mm, in the middle"),
     pytest.param(0.2, 0.9, 0.006, id="6 mm, in the middle"),
     pytest.param(0.1, 1.0, 0.012, id="12 mm, 100 mm bare"),
+    pytest.param(0.2, 0.9, 0.018, id="18 mm, surfaces of their own"),
+    pytest.param(0.3, 0.9, 0.025, id="25 mm, surfaces of their own"),
 ]
 
 
@@ -99,6 +101,7 @@ UNCLEAR = [
     pytest.param({"low": 0.03, "high": 1.07, "thick": 0.009}, 1, id="hardly anything bare"),
     pytest.param({"low": 0.2, "high": 0.9, "thick": 0.009, "last": 2}, 1, id="on the lower treads alone"),
     pytest.param({"low": 0.2, "high": 0.9, "thick": 0.009}, 4, id="few points"),
+    pytest.param({"low": 0.06, "high": 1.04, "thick": 0.018}, 1, id="18 mm, 60 mm bare"),
 ]
 
 
@@ -139,8 +142,8 @@ def test_a_mat_on_one_tread_is_no_runner():
     assert {"runner", "two_levels"}.isdisjoint(codes(inspection))
 
 
-def test_where_a_thick_runner_is_taken_for_the_treads_the_landing_behind_it_is_said_and_the_scan_does_not_end():
-    inspection = found(0.2, 0.9, 0.02)
+def test_where_thick_carpet_is_the_treads_the_landing_behind_it_is_said_and_the_scan_does_not_end():
+    inspection = found(0.0, WIDTH, 0.02)
     assert "scan_ends" not in codes(inspection)
     (note,) = [note for note in inspection.notes if note.code == "two_levels"]
     assert "behind which a level surface goes on 20 mm lower" in note.message
