@@ -20,6 +20,18 @@ class ReadError(StairError):
     """A scan or a settings file cannot be read: missing, damaged, or not what its header says."""
 
 
+class ColumnsUnclear(ReadError):
+    """A scan in text does not say which of its columns are x, y and z.
+
+    ``lines`` are the first of its table, to be shown; ``proposals`` what ``--columns`` might be given.
+    """
+
+    def __init__(self, message: str, lines: tuple[str, ...] = (), proposals: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.lines = lines
+        self.proposals = proposals
+
+
 class WriteError(StairError):
     """A result cannot be written where the user asked for it."""
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from stair_inspector import priors
+from stair_inspector.columns import parse_columns
 from stair_inspector.declarations import (
     DEGREES,
     MM,
@@ -238,6 +239,7 @@ class FileReading(NamedTuple):
 
     unit: ScanUnit = "auto"
     station: str = ""
+    columns: str = "auto"
 
 
 @dataclass(frozen=True)
@@ -268,6 +270,13 @@ class Params:
             "Name, or number from 1 on, of the one station of a scan that is measured; '' takes all together."
         ),
     ] = ""
+    columns: Annotated[
+        str,
+        Setting("Columns of the file", place="scan").says(
+            "What the columns of a scan in text are, as -,x,y,z,r,g,b; '-' skips one, others are intensity, nx, ny, "
+            "nz. 'auto' goes by the names in the file."
+        ),
+    ] = "auto"
     stations: Annotated[
         Stations,
         Setting("Stations", place="scan").says(
@@ -292,6 +301,7 @@ class Params:
         for name, declared in fields_of(Params).items():
             check_value(name, getattr(self, name), declared.kind, declared.knob)
         parse_up(self.up)
+        parse_columns(self.columns)
 
     @property
     def reading(self) -> FileReading:

@@ -19,7 +19,7 @@ from stair_inspector.params import Params
 T = TypeVar("T")
 Debug = Annotated[tyro.conf.FlagCreatePairsOff[bool], Doc("Show the traceback of an error, for a bug report.")]
 
-_SIGNED_FLAGS = ("--up", "--overrules.climb", "--overrules.region")
+_SIGNED_FLAGS = ("--up", "--overrules.climb", "--overrules.region", "--columns")
 """Flags whose value may begin with a minus sign."""
 
 
@@ -132,7 +132,7 @@ def _join_negative_directions(args: list[str]) -> list[str]:
     """Write ``--up -x`` as ``--up=-x``: a word that begins with a dash would be taken for a flag."""
     joined: list[str] = []
     for word in args:
-        is_negative = word in NAMED_UP or re.fullmatch(r"-[\d.][\d.,eE+-]*", word) is not None
+        is_negative = word in NAMED_UP or re.fullmatch(r"-[\d.][\d.,eE+-]*|-,.*", word) is not None
         if joined and joined[-1] in _SIGNED_FLAGS and word.startswith("-") and is_negative:
             joined[-1] = f"{joined[-1]}={word}"
         else:

@@ -20,7 +20,8 @@ from stair_inspector.files.raw_mesh import mesh_of_polygons
 
 _SNIFFED_BYTES = 65_536
 _KEYWORDS = rb"v|vt|vn|vp|f|l|p|o|g|s|mg|mtllib|usemtl"
-_BEGINNING = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:\s*#[^\n]*\n|\s*\n)*\s*(?:" + _KEYWORDS + rb")[ \t]")
+_BEGINNING = re.compile(rb"\A(?:\xef\xbb\xbf)?(?:[^\S\n]*(?:#[^\n]*)?\n)*[^\S\n]*(?:" + _KEYWORDS + rb")[ \t]")
+"""Blanks do not match line ends too: a file of blank lines could be parted in very many ways."""
 _VERTEX = re.compile(rb"(?:\A|\n)[ \t]*v[ \t]")
 _INDEX_DIGITS = 12
 _HINT = "export the mesh again"

@@ -25,6 +25,8 @@ NORMAL_XYZ = ("nx", "ny", "nz")
 TRUNCATED_HINT = "the file is truncated, copy or export it again"
 _COLOR_NAMES = (RED_GREEN_BLUE, ("r", "g", "b"), ("rf", "gf", "bf"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
 _NORMAL_NAMES = (NORMAL_XYZ, ("normal_x", "normal_y", "normal_z"))
+POINT_NAMES = frozenset(name for names in (tuple("xyz"), *_COLOR_NAMES, *_NORMAL_NAMES) for name in names)
+"""Names of the columns of which a cloud is made."""
 _COUNT_DIGITS = 15
 """A count with more digits exceeds any file."""
 _SHOWN_CHARACTERS = 60
@@ -146,7 +148,8 @@ class NumberLines:
 
     ``start`` is the byte offset of the first line; ``skip`` the lines that belong to something else; ``n_rows`` how
     many lines to read, None for all; ``separator`` None means white space; ``n_before`` the lines of the file before
-    ``data``.
+    ``data``. Columns that are ``ignored`` need not be numbers and become zeros. ``clean`` makes a line what numpy's
+    reader takes, and nothing of one to be left out.
     """
 
     data: bytes
@@ -156,6 +159,8 @@ class NumberLines:
     skip: int = 0
     separator: str | None = None
     n_before: int = 0
+    ignored: frozenset[int] = frozenset()
+    clean: Callable[[bytes], bytes] | None = None
 
     def _stream(self) -> BytesIO:
         stream = BytesIO(self.data)
@@ -164,7 +169,8 @@ class NumberLines:
 
     def _lines(self, stream: BytesIO) -> Iterator[bytes]:
         stop = None if self.n_rows is None else self.skip + self.n_rows
-        return islice(filter(bytes.strip, stream), self.skip, stop)
+        lines = filter(bytes.strip, stream)
+        return islice(lines if self.clean is None else filter(None, map(self.clean, lines)), self.skip, stop)
 
     def parse(self) -> tuple[Floats, int, bool]:
         """Parse the table.
@@ -200,6 +206,7 @@ class NumberLines:
                     dtype=np.float64,
                     comments=None,
                     delimiter=self.separator,
+                    converters=dict.fromkeys(self.ignored, _zero) or None,
                     ndmin=2,
                     encoding="latin1",
                 )
@@ -209,16 +216,22 @@ class NumberLines:
                 raise self._explained()
         if self.n_rows is not None and len(values) < self.n_rows:
             raise ReadError(f"its header states {self.n_rows} points but {len(values)} follow; {TRUNCATED_HINT}")
-        is_cut = first is not None and stream.tell() >= len(self.data) and not self.data.endswith((b"\n", b"\r"))
+        is_cut = first is not None and stream.tell() >= len(self.data) and self._is_cut()
         return values, sum(1 for line in stream if line.strip()), is_cut
+
+    def _is_cut(self) -> bool:
+        """Return whether the file ends in the middle of a line of numbers."""
+        last = self.data[self.data.rfind(b"\n") + 1 :]
+        return not last.endswith(b"\r") and bool(last.strip() if self.clean is None else self.clean(last))
 
     def _explained(self) -> ReadError:
         """Return the error that names the first bad line."""
         separator = None if self.separator is None else self.separator.encode("ascii")
         number = self.n_before + self.data.count(b"\n", 0, self.start)
         row = -self.skip
-        for line in self._stream():
+        for written in self._stream():
             number += 1
+            line = written if self.clean is None else self.clean(written)
             row += bool(line.strip())
             if not line.strip() or row <= 0:
                 continue
@@ -228,15 +241,20 @@ class NumberLines:
             if len(tokens) != self.n_columns:
                 return ReadError(
                     f"line {number} should have {self.n_columns} columns, got {len(tokens)} "
-                    f"('{excerpt(line.strip())}'); correct the line or export the scan again"
+                    f"('{excerpt(written.strip())}'); correct the line or export the scan again"
                 )
-            bad = next((token for token in tokens if not is_number(token)), None)
+            bad = next((k for k, token in enumerate(tokens) if k not in self.ignored and not is_number(token)), None)
             if bad is not None:
+                shown = excerpt(tokens[bad].strip()) if line == written else excerpt(written.strip())
                 return ReadError(
-                    f"line {number} holds '{excerpt(bad.strip())}' where a number is expected; "
+                    f"line {number} holds '{shown}' where a number is expected; "
                     "correct the line or export the scan again"
                 )
         return ReadError("holds a line that is not numbers; export the scan again")
+
+
+def _zero(_: str) -> float:
+    return 0.0
 
 
 def is_number(token: bytes) -> bool:

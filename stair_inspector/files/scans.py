@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from stair_inspector.columns import parse_columns
 from stair_inspector.declarations import check_value
-from stair_inspector.errors import DegenerateGeometry, ReadError
+from stair_inspector.errors import ColumnsUnclear, DegenerateGeometry, ReadError
 from stair_inspector.files.cleaning import check_range, count_repeats, first_occurrences, to_local_metres, unit_normals
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh, ScanFormat, excerpt
 from stair_inspector.files.raw_mesh import cloud_of_mesh
@@ -118,7 +119,7 @@ def _is_result(path: Path) -> bool:
         return False
 
 
-def read_scan(path: Path, unit: ScanUnit = "auto", station: str = "") -> Scan:
+def read_scan(path: Path, unit: ScanUnit = "auto", station: str = "", columns: str = "auto") -> Scan:
     """Read a scan, whatever its format, into metres near zero.
 
     Parameters
@@ -130,6 +131,9 @@ def read_scan(path: Path, unit: ScanUnit = "auto", station: str = "") -> Scan:
         :func:`stair_inspector.stages.units.decide_unit`.
     station : str
         Name or number, from 1 on, of the station to be read of several; '' takes all together.
+    columns : str
+        What the columns of a text are, as ``-,x,y,z``; see :func:`stair_inspector.columns.parse_columns`. Other formats
+        name their own.
 
     Returns
     -------
@@ -139,25 +143,31 @@ def read_scan(path: Path, unit: ScanUnit = "auto", station: str = "") -> Scan:
         unit, to the rounding of float64. ``origin_m`` is zero where all coordinates are within 1000 m of zero, else
         whole metres near the middle of the cloud. Colours 0 to 255 and unit normals where the file has them. Notes
         (stage ``read``): ``unit_guessed``, ``non_finite_dropped``, ``no_return_dropped``, ``duplicates_dropped``,
-        ``normals_dropped``, ``colors_dropped``, ``columns_ignored``, ``last_line_unfinished``; of meshes see
-        :func:`stair_inspector.files.raw_mesh.cloud_of_mesh`, of LAS :func:`stair_inspector.files.las_scan.read_las`, of
-        files of stations :func:`stair_inspector.files.e57_scan.read_e57`.
+        ``normals_dropped``, ``colors_dropped``; of text see :func:`stair_inspector.files.text_scan.read_text`, of
+        meshes :func:`stair_inspector.files.raw_mesh.cloud_of_mesh`, of LAS
+        :func:`stair_inspector.files.las_scan.read_las`, of files of stations
+        :func:`stair_inspector.files.e57_scan.read_e57`.
 
     Raises
     ------
     ReadError
         Missing, not a file, empty, larger than 4 GiB, unknown, damaged, not what its header states, without that
         station, or without any finite point: one sentence that begins with the path.
+    ColumnsUnclear
+        A text of which it is not certain which columns are x, y and z.
     ConfigError
-        Unknown unit.
+        Unknown unit, or impossible columns.
     """
     check_value("unit", unit, ScanUnit, None)
     check_value("station", station, str, None)
+    named = parse_columns(columns)
     path = Path(path)
     data = _read_bytes(path)
     try:
-        read = _parse(path, data, station)
+        read = _parse(path, data, station, named)
         return _to_scan(read, unit, excerpt(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
+    except ColumnsUnclear as error:
+        raise ColumnsUnclear(f"{_name(path)}: {error}", error.lines, error.proposals) from error
     except ReadError as error:
         raise ReadError(f"{_name(path)}: {error}") from error
     except DegenerateGeometry as error:
@@ -211,7 +221,7 @@ def _read_bytes(path: Path) -> bytes:
     return data
 
 
-def _parse(path: Path, data: bytes, station: str) -> RawCloud | RawMesh:
+def _parse(path: Path, data: bytes, station: str, columns: Sequence[str]) -> RawCloud | RawMesh:
     """Read by content; the suffix only decides which sentence explains a failure."""
     known = next((each for each in FORMATS if each.fits(data)), None)
     if known is not None and known.read_station is not None:
@@ -227,12 +237,14 @@ def _parse(path: Path, data: bytes, station: str) -> RawCloud | RawMesh:
     stated = next((each for each in FORMATS if suffix in each.suffixes and not each.is_text), None)
     if stated is not None:
         try:
-            return read_text(data)
+            return read_text(data, columns)
+        except ColumnsUnclear:
+            raise
         except ReadError as error:
             raise ReadError(f"does not begin with {stated.beginning} (got '{excerpt(data, 20)}'); {_HINT}") from error
     if not is_text(data) and suffix not in SUFFIXES:
         raise ReadError(f"is of an unknown format (it begins with '{excerpt(data, 20)}'); {_HINT}")
-    return read_text(data)
+    return read_text(data, columns)
 
 
 def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, name: str, sha256: str) -> Scan:

@@ -13,7 +13,7 @@ from stair_inspector.geometry.arrays import Floats
 _HEADER_BYTES, _RECORD_BYTES = 84, 50
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _SNIFFED_BYTES = 2000
-_VERTEX = re.compile(rb"^\s*vertex\s(.*)$", re.MULTILINE | re.IGNORECASE)
+_VERTEX = re.compile(rb"^[^\S\n]*vertex\s(.*)$", re.MULTILINE | re.IGNORECASE)
 
 
 def is_stl(data: bytes) -> bool:

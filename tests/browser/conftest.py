@@ -101,7 +101,7 @@ def app(scans):
 
     app = App(scans, Params(), port=0, saves_projects=False)
     # The first page is opened once the computing process has loaded its libraries: no page waits for that.
-    app._workshop.read(scans[0], Params().unit)
+    app._workshop.read(scans[0], Params().reading)
     yield app
     app.stop()
 

@@ -37,7 +37,7 @@ def work_beside(work: Work, started: Work) -> Work:
     """Return the work that another scan begins with, after that on the scan that is left.
 
     Settings go on, the rule set with its overlays, decision rule and the user's own rule files, and of the report the
-    surveyor, the firm, the instrument, the logo and the paper. All else belongs to the scan, as unit, station, up and
+    surveyor, the firm, the instrument, the logo and the paper. All else belongs to the scan, as unit, columns, up and
     overrules, or to the stair, as a limit that was changed for a reason.
     """
     params = dataclasses.replace(
