@@ -205,10 +205,10 @@ class Page:
         """Read a scan; work that was done on another state of the file is put aside."""
         try:
             scan = read(request.params.reading)
-        except ReadError:
-            self.opening.mark(request.label, is_readable=False)
+        except ReadError as error:
+            self.opening.mark(request.label, error)
             raise
-        self.opening.mark(request.label, is_readable=True)
+        self.opening.mark(request.label, None)
         if self.opening.is_of(request.label, scan.sha256):
             return request, scan
         self.changed(PageChange.WORK)

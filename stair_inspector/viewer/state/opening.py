@@ -2,10 +2,11 @@
 
 import dataclasses
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import viser
 
+from stair_inspector.errors import ReadError
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.notices import Notices
@@ -48,9 +49,9 @@ class Opening:
         self._page = OpenPage(lambda: notices.is_closed, self._is_answering, end)
         self._browser_id: str | None = None
         self._uploads: tuple[str, ...] = ()
-        # Whether nobody has asked for the scan that is open, and which files could not be read when last tried.
+        # Whether nobody has asked for the scan that is open, and why files could not be read when last tried.
         self._is_first = False
-        self.unreadable: frozenset[str] = frozenset()
+        self.unreadable: Mapping[str, ReadError] = {}
 
     def restore(self) -> None:
         """Take up what a page of this browser, now closed, was at; or open the scan it had last, or the first."""
@@ -97,9 +98,10 @@ class Opening:
             self._client.local_storage.set_item(_SCAN_KEY, label)
         return True
 
-    def mark(self, label: str, *, is_readable: bool) -> None:
-        """Note whether a scan could be read."""
-        self.unreadable = self.unreadable - {label} if is_readable else self.unreadable | {label}
+    def mark(self, label: str, error: ReadError | None) -> None:
+        """Note that a scan could be read, or why not."""
+        others = {known: why for known, why in self.unreadable.items() if known != label}
+        self.unreadable = others if error is None else others | {label: error}
 
     def readable_instead(self) -> str | None:
         """Return the scan to open in place of a first one that nobody asked for and that cannot be read; else None."""

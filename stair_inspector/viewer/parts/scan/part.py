@@ -6,6 +6,7 @@ from stair_inspector.viewer.bridge.widgets import File, offer
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import examination_html
 from stair_inspector.viewer.parts.part import Context, PagePart
+from stair_inspector.viewer.parts.scan.columns import ColumnsTool
 from stair_inspector.viewer.parts.scan.one_station import StationMenu
 from stair_inspector.viewer.parts.scan.points import PointsFolder
 from stair_inspector.viewer.parts.scan.region import RegionTool
@@ -46,6 +47,7 @@ class ScanPart(PagePart):
         widgets.button("Look for new scans", self.look_for_scans, icon=viser.Icon.REFRESH, is_quiet=True)
         controls.add_choice("method")
         controls.add_choice("unit")
+        self.columns = ColumnsTool(context)
         self.station = StationMenu(context)
         controls.add_choice("stations")
         controls.add_up()
@@ -66,6 +68,7 @@ class ScanPart(PagePart):
             self.points.show()
         if what & {PageChange.WORK, PageChange.SCAN, PageChange.CLOUD}:
             self._show_scans()
+            self.columns.show()
             self.region.show()
 
     def put_away(self) -> bool:
