@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
-from stair_inspector.files.raw_cloud import RED_GREEN_BLUE, NumberLines, as_whole, excerpt
+from stair_inspector.files.number_lines import NumberLines
+from stair_inspector.files.raw_cloud import RED_GREEN_BLUE, as_whole, excerpt
 from stair_inspector.geometry.arrays import Floats
 
 _BOM = b"\xef\xbb\xbf"

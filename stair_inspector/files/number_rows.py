@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from stair_inspector.errors import ReadError
-from stair_inspector.files.raw_cloud import excerpt, is_number
+from stair_inspector.files.number_lines import is_number
+from stair_inspector.files.raw_cloud import excerpt
 from stair_inspector.geometry.arrays import Floats
 
 

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
 from stair_inspector.files.lzf import lzf_decompress
+from stair_inspector.files.number_lines import NumberLines
 from stair_inspector.files.raw_cloud import (
     READ_STAGE,
     RED_GREEN_BLUE,
     TRUNCATED_HINT,
-    NumberLines,
     RawCloud,
     ScanFormat,
     as_declared,

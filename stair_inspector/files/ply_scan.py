@@ -11,11 +11,11 @@ from itertools import islice
 import numpy as np
 
 from stair_inspector.errors import ReadError
+from stair_inspector.files.number_lines import NumberLines
 from stair_inspector.files.ply_header import LINE_BYTES, PlyHeader, parse_ply_header
 from stair_inspector.files.ply_lists import NO_LISTS, Lists, read_lines, read_rows
 from stair_inspector.files.raw_cloud import (
     TRUNCATED_HINT,
-    NumberLines,
     RawCloud,
     RawMesh,
     ScanFormat,

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from stair_inspector.files.raw_cloud import is_number
+from stair_inspector.files.number_lines import is_number
 
 MOST_COLUMNS = 1000
 REMARKS = (b"#", b"//", b"!", b"%")

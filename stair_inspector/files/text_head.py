@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from stair_inspector.errors import ColumnsUnclear, ReadError
-from stair_inspector.files.raw_cloud import POINT_NAMES, READ_STAGE, excerpt, is_number, parse_count
+from stair_inspector.files.number_lines import is_number
+from stair_inspector.files.raw_cloud import POINT_NAMES, READ_STAGE, excerpt, parse_count
 from stair_inspector.files.text_columns import AXES, Header, header_cells, header_of, unit_of_remark, unit_of_word
 from stair_inspector.files.text_dialect import is_remark
 from stair_inspector.files.text_table import TextLine, TextTable

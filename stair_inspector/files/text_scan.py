@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
+from stair_inspector.files.number_lines import NumberLines
 from stair_inspector.files.raw_cloud import (
     NORMAL_XYZ,
     READ_STAGE,
     RED_GREEN_BLUE,
     TRUNCATED_HINT,
-    NumberLines,
     RawCloud,
     as_whole,
     cloud_from_columns,

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from itertools import islice
 
 from stair_inspector.errors import ReadError
-from stair_inspector.files.raw_cloud import excerpt, is_number
+from stair_inspector.files.number_lines import is_number
+from stair_inspector.files.raw_cloud import excerpt
 from stair_inspector.files.text_columns import names_points
 from stair_inspector.files.text_dialect import Dialect, Kinds, best_dialect, dialects_of, is_remark
 

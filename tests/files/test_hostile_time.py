@@ -52,9 +52,11 @@ def seconds(call, content):
 def check_growth(call, begin, units):
     for unit in units:
         few = seconds(call, begin + unit * (SMALL // len(unit)))
-        many = seconds(call, begin + unit * (TIMES * SMALL // len(unit)))
-        # What is quadratic takes 16 times as long; a tenth of a second is nothing to measure a ratio by.
-        assert many < 2 * TIMES * few + 0.1, unit
+        # What is quadratic takes 16 times as long; a tenth of a second is nothing to measure a ratio by. The least of
+        # three times is that in which nothing else was done.
+        allowed = 2 * TIMES * few + 0.1
+        times = (seconds(call, begin + unit * (TIMES * SMALL // len(unit))) for _ in range(3))
+        assert any(each < allowed for each in times), unit
 
 
 @pytest.mark.parametrize("name", HEADS)
