@@ -22,8 +22,8 @@ def common(**values):
     return dataclasses.replace(NOTHING_KNOWN, **values)
 
 
-def edge(middle_m, noise_m=0.0, slope=0.0, along_m=0.0):
-    return EdgeLine(middle_m, slope, along_m, noise_m, 0.0, 1.0, "face")
+def edge(middle_m, noise_m=0.0, slope=0.0, along_m=0.0, slope_noise=0.0):
+    return EdgeLine(middle_m, slope, along_m, noise_m, slope_noise, 1.0, "face")
 
 
 def plane(z0_m, slope=(0.0, 0.0), deviations=(0.0, 0.0, 0.0), sigma_m=0.0, **values):

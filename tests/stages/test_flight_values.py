@@ -60,6 +60,10 @@ def test_the_pitch_of_a_line_through_nosings_is_as_sure_as_least_squares_make_it
 def test_what_all_nosings_have_in_common_turns_the_line_by_the_whole_run():
     pitch = flight(stated({}, {"edge": 0.004}), registration_m=0.001, up_rad=0.002).pitch_deg
     assert part(pitch, "edge") == pytest.approx(in_degrees(SLOPE * 0.004 / 0.56))
+    # The least sure of the goings counts.
+    steps = stated({}, {"edge": 0.004})
+    steps[1] = dataclasses.replace(steps[1], going_m=Measured(0.28, 0.0, (("edge", 0.006),)))
+    assert part(flight(steps).pitch_deg, "edge") == pytest.approx(in_degrees(SLOPE * 0.006 / 0.56))
     assert part(pitch, "registration") == pytest.approx(in_degrees(2.0 * 0.001 / 0.56))
     assert part(pitch, "up") == pytest.approx(2.0 * math.degrees(0.002))
 
@@ -141,6 +145,9 @@ def test_neighbours_are_compared_only_where_both_are_known():
     # 15 mm lie between steps 2 and 4, which are no neighbours.
     assert found.max_adjacent == pytest.approx(0.008)
     assert found.at == (4, 5)
+    # The largest step may be one downwards.
+    fallen = statistics_of([(k, Measured(value, 0.0)) for k, value in enumerate((0.170, 0.180, 0.160, 0.165), 1)])
+    assert (fallen.max_adjacent, fallen.at) == (pytest.approx(0.020), (2, 3))
     alone = statistics_of([(1, Measured(0.17, 0.0)), (2, None)])
     assert (alone.n, alone.range, alone.max_adjacent, alone.at) == (1, 0.0, None, None)
     assert statistics_of([(1, None)]) is None
@@ -170,6 +177,14 @@ def test_only_the_last_step_is_a_landing_by_its_depth():
     # 280 mm are usual: 1.8 times as deep, 504 mm, is a landing.
     assert kinds([DEPTH, DEPTH, 0.50])[2] == "tread"
     assert kinds([DEPTH, DEPTH, 0.51])[2] == "landing"
+
+
+def test_a_single_step_is_a_landing_where_it_is_deeper_than_any_tread():
+    shapes = tuple(shape(0, extent=(0.0, depth, -0.6, 0.6)) for depth in (0.61, 0.63))
+    alone = [dataclasses.replace(stated(n=1)[0], going_m=None)]
+    # 620 mm from its nosing.
+    found = [kinds_of(chain_of([each]), (each,), alone, frozenset(), Forced({})) for each in shapes]
+    assert found == [["tread"], ["landing"]]
 
 
 def test_where_another_flight_begins_is_a_landing_and_the_user_has_the_last_word():

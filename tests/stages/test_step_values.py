@@ -125,6 +125,19 @@ def test_the_noise_of_a_value_is_that_of_both_its_ends():
     assert part(first.nosing_overhang_m, "noise") == pytest.approx(2.0 * math.hypot(0.0004, 0.0004))
 
 
+def test_an_edge_is_less_sure_away_from_where_it_was_seen():
+    """Edges seen at w = 0.4 m to 3 mm, whose direction is known to 0.01: 5 mm are 3 and 4 mm on a line 0.4 m away."""
+    seen = {"noise_m": 0.003, "along_m": 0.4, "slope_noise": 0.01}
+    first, second = measured(
+        shape(0, front=edge(0.0, **seen), back=edge(DEPTH, **seen)), shape(1, front=edge(0.0, **seen))
+    )
+    for value in (first.going_m, first.tread_depth_m, first.nosing_overhang_m):
+        assert part(value, "noise") == pytest.approx(2.0 * math.sqrt(2.0) * 0.005)
+    leaning = [shape(k, plane=plane((k + 1) * RISE, (0.02, 0.0)), front=edge(0.0, **seen)) for k in range(2)]
+    second = measured(*leaning)[1]
+    assert part(second.rise_m, "edge") == pytest.approx(2.0 * math.sqrt(2.0) * 0.02 * 0.005, rel=1e-3)
+
+
 def test_what_the_user_states_about_edges_counts_at_both_ends():
     first, second = measured(shape(0), shape(1), edge_m=0.003, side_m=0.002)
     both = 2.0 * math.sqrt(2.0)
@@ -316,6 +329,13 @@ def test_the_going_of_a_wedge_is_as_uncertain_as_the_middle_of_its_nosing():
     assert part(first.going_m, "edge") == pytest.approx(2.0 * math.tan(turn) * 0.0025, rel=1e-3)
     assert part(first.tread_depth_m, "edge") == pytest.approx(2.0 * math.tan(turn) * 0.0025, rel=1e-3)
     # Square to the riser, from the nosing above to the back; the next nosing but one is 0.25 cos + 0.2 sin ahead.
+    leaning = turned(0, 0.0, (0.0, 0.0), plane=plane(RISE, (0.0, 0.03)))
+    # Back from a nosing one goes along the climb of the step below, x, and comes to its nosing at w cos(15 deg).
+    expected = [RISE - 0.03 * w * math.cos(turn) for w in (0.42, 0.0, -0.42)]
+    assert measured(leaning, *wedges[1:], base=None)[1].rise_lcr_m == pytest.approx(expected)
+    # Along its own climb to a nosing that is turned by as much again.
+    on_m = (0.25 * math.cos(2.0 * turn) + 0.2 * math.sin(2.0 * turn)) / math.cos(turn)
+    assert second.going_m.value == pytest.approx(on_m)
     ahead_m = 0.25 * math.cos(turn) + 0.2 * math.sin(turn)
     assert second.nosing_overhang_m.value == pytest.approx(DEPTH - ahead_m)
     assert first.nosing_overhang_m.value == pytest.approx(0.02 * math.cos(turn))
@@ -349,3 +369,6 @@ def test_a_curved_flight_is_measured_along_its_arc(sense):
         # Square to sides that slant by 0.2.
         assert step.width_m.value == pytest.approx(WIDTH * math.cos(math.atan(0.2)))
     assert [step.rise_m.value for step in steps] == pytest.approx([RISE, RISE + 0.001, RISE + 0.001])
+    # The flight behind its landing goes straight on.
+    (landing,) = measured(shapes[0], after=shape(1, origin_m=np.array([0.9, 0.0])))
+    assert landing.going_m.value == pytest.approx(0.9)
