@@ -5,6 +5,7 @@ the scatter along it: a bias below it is covered by the uncertainty that is show
 """
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -118,6 +119,22 @@ def test_an_exact_piece_counts_more_than_a_vague_one():
     low = fit_line_robust(x, y, np.array([0.001, 0.002, 0.001, 0.002]), is_level=True)
     even = fit_line_robust(x, y, np.full(4, 0.001), is_level=True)
     assert low.middle < even.middle - 1e-4
+
+
+def test_the_line_through_two_pieces_is_as_sure_as_they_are():
+    line = fit_line_robust(np.array([0.0, 1.0]), np.array([0.002, 0.004]), np.array([0.001, 0.002]))
+    # Weights 1 and 1/4: the middle at 0.2, known to sqrt(0.8^2 1^2 + 0.2^2 2^2) mm.
+    assert (line.x_middle, line.middle) == pytest.approx((0.2, 0.0024))
+    assert line.middle_noise == pytest.approx(0.001 * math.sqrt(0.8))
+    # A difference of two heights, over 1 m.
+    assert line.slope_noise == pytest.approx(0.001 * math.hypot(1.0, 2.0))
+
+
+def test_a_piece_that_seems_far_more_exact_than_the_usual_one_counts_four_times_as_much():
+    line = fit_line_robust(np.array([0.0, 1.0, 2.0]), np.zeros(3), np.array([0.0001, 0.001, 0.001]))
+    # As if it were known to half of what is usual: weights 4, 1 and 1.
+    assert line.x_middle == pytest.approx(3.0 / 6.0)
+    assert line.middle_noise == pytest.approx(math.sqrt((4.0 * 0.0001) ** 2 + 2.0 * 0.001**2) / 6.0)
 
 
 def test_the_uncertainty_of_a_line_is_that_of_many_lines():
@@ -289,3 +306,24 @@ def test_an_edge_counted_the_other_way_is_the_same_line():
     assert edge.flipped().flipped() == edge
     assert edge.noise_at(0.5) == 0.001
     assert edge.noise_at(1.5) == pytest.approx(np.hypot(0.001, 0.002))
+
+
+# --- what was seen of an edge --------------------------------------------------------------------------------------
+
+
+def test_a_stretch_that_was_left_out_is_neither_seen_nor_missed():
+    whole = Sampling(0.001, 0.005)
+    assert whole.seen_share(5, 10, (2.0, 3.0)) == 0.5
+    # The pieces from 2.2 to 2.5 m, three of ten.
+    left = Sampling(0.001, 0.005, left_out=(2.15, 2.55))
+    assert left.seen_share(7, 10, (2.0, 3.0)) == 1.0
+    assert left.seen_share(5, 10, (2.0, 3.0)) == pytest.approx(5.0 / 7.0)
+    # More may be seen than is counted, where a stretch begins within a piece; and all may be left out.
+    assert left.seen_share(9, 10, (2.0, 3.0)) == 1.0
+    assert Sampling(0.001, 0.005, left_out=(0.0, 9.0)).seen_share(0, 10, (2.0, 3.0)) == 0.0
+
+
+def test_what_an_obstacle_adds_to_the_noise_can_be_taken_off():
+    blocked = EdgeLine(0.0, 0.0, 0.0, 0.005, 0.0, 1.0, "tread", obstructed_m=0.003)
+    assert blocked.free_noise_m == pytest.approx(0.004)
+    assert dataclasses.replace(blocked, obstructed_m=0.0051).free_noise_m == 0.0

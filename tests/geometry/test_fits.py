@@ -124,6 +124,20 @@ def test_ransac_finds_the_largest_plane_among_outliers_and_fits_all_its_points()
     assert fit.rms_m == pytest.approx(0.001, rel=5 / np.sqrt(2 * 6000))
 
 
+@pytest.mark.parametrize("height", [-3.0, 7.0])
+def test_ransac_takes_what_lies_near_the_plane_on_both_sides_however_far_it_is_from_the_origin(height):
+    rng = np.random.default_rng(2)
+    level = np.column_stack([rng.uniform(-1.0, 1.0, (400, 2)), np.full(400, height)])
+    # Two sheets 2 mm apart about the plane, and a hundred points 0.5 m to 1 m over it.
+    level[:200, 2] += 0.001
+    level[200:, 2] -= 0.001
+    above = np.column_stack([rng.uniform(-1.0, 1.0, (100, 2)), height + rng.uniform(0.5, 1.0, 100)])
+    plane = find_plane_ransac(np.vstack([level, above]), 0.01)
+    assert plane.n_points == 400
+    assert plane.normal[2] == pytest.approx(1.0, abs=1e-4)
+    assert plane.centroid[2] == pytest.approx(height, abs=1e-12)
+
+
 def test_ransac_repeats_itself():
     rng = np.random.default_rng(4)
     points = rng.uniform(0, 1, (3000, 3)) * [1, 1, 0.05]
