@@ -11,6 +11,8 @@ _CORE_SHARE = 0.6
 _CORE_QUANTILE = 0.8416
 """Share of the points that must lie on a surface, and the normal quantile below which so many residuals are."""
 _CORE_ROUNDS = 10
+_SETTLED = 0.05
+"""A plane that moves by less of the scatter anywhere among its points has settled: what follows trims and fits anew."""
 
 
 def fit_trimmed(points: Floats) -> tuple[Floats, Floats, float]:
@@ -32,24 +34,31 @@ def fit_trimmed(points: Floats) -> tuple[Floats, Floats, float]:
     """
     n = points.shape[1]
     n_core = min(n, max(3, int(_CORE_SHARE * n)))
-    slope, centre = np.zeros(2), np.array([*points[:2].mean(axis=1), densest(points[2], n_core)])
-    chosen = np.arange(n)
+    origin = points.mean(axis=1)
+    # Sums of products of 1, x, y, z give every fit; about their own middle they lose no digits.
+    rows = np.vstack([np.ones(n), points - origin[:, None]])
+    reach_m = np.abs(rows[1:3]).max(axis=1)
+    slope, centre = np.zeros(2), np.array([0.0, 0.0, densest(rows[3], n_core)])
     for _ in range(_CORE_ROUNDS):
-        residual = np.abs(height_above(points, slope, centre))
-        before, chosen = chosen, np.argpartition(residual, n_core - 1)[:n_core] if n_core < n else chosen
-        slope, centre = _fit_height(points[:, chosen])
-        if len(before) == len(chosen) and np.array_equal(np.sort(before), np.sort(chosen)):
+        residual = np.abs(height_above(rows[1:], slope, centre))
+        chosen = np.argpartition(residual, n_core - 1)[:n_core]
+        sigma_m = float(residual[chosen[-1]]) / _CORE_QUANTILE
+        before = slope, centre
+        slope, centre = _fit_height(rows.take(chosen, axis=1))
+        at_middle_m = abs(float(height_above(centre, *before)))
+        moved_m = at_middle_m + float(np.abs(slope - before[0]) @ reach_m)
+        if moved_m <= _SETTLED * max(sigma_m, _LEAST_SIGMA_M):
             break
     sigma_m = 0.0
     for _ in range(_TRIM_ROUNDS):
-        residual = np.abs(height_above(points, slope, centre))
+        residual = np.abs(height_above(rows[1:], slope, centre))
         # The core holds the smallest residuals: its largest is the quantile of the core's share.
         sigma_m = float(np.partition(residual, n_core - 1)[n_core - 1]) / _CORE_QUANTILE
-        kept = residual <= _TRIM_SIGMA * max(sigma_m, _LEAST_SIGMA_M)
-        if np.count_nonzero(kept) < 3:
+        kept = np.flatnonzero(residual <= _TRIM_SIGMA * max(sigma_m, _LEAST_SIGMA_M))
+        if len(kept) < 3:
             break
-        slope, centre = _fit_height(points[:, kept])
-    return slope, centre, sigma_m
+        slope, centre = _fit_height(rows.take(kept, axis=1))
+    return slope, centre + origin, sigma_m
 
 
 def height_above(points: Floats, slope: Floats, centre: Floats) -> Floats:
@@ -68,12 +77,12 @@ def densest(values: Floats, wanted: int) -> float:
     return float(np.median(ordered[start : start + wanted]))
 
 
-def _fit_height(points: Floats) -> tuple[Floats, Floats]:
-    """Fit height by least squares; the slope is zero where the points do not span a plane."""
-    centre = points.mean(axis=1)
-    shift = points - centre[:, None]
-    scatter = np.einsum("in,jn->ij", shift[:2], shift)
-    if np.linalg.det(scatter[:, :2]) <= 1e-9 * np.trace(scatter[:, :2]) ** 2:
+def _fit_height(rows: Floats) -> tuple[Floats, Floats]:
+    """Fit height by least squares to rows (4, n) of 1, x, y and z; the slope is zero where they do not span a plane."""
+    sums = rows @ rows.T
+    centre = sums[0, 1:] / sums[0, 0]
+    (xx, xy, xz), (_, yy, yz) = (sums[1:3, 1:] - sums[0, 0] * centre[:2, None] * centre).tolist()
+    det = xx * yy - xy * xy
+    if det <= 1e-9 * (xx + yy) ** 2:
         return np.zeros(2), centre
-    slope: Floats = np.linalg.solve(scatter[:, :2], scatter[:, 2])
-    return slope, centre
+    return np.array([yy * xz - xy * yz, xx * yz - xy * xz]) / det, centre

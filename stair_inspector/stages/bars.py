@@ -6,6 +6,7 @@ few just above and below it.
 """
 
 import dataclasses
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 from stair_inspector.geometry.clusters import cluster_cells
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 from stair_inspector.geometry.plan import cell_keys, left_of
-from stair_inspector.geometry.trimmed import densest, fit_trimmed
+from stair_inspector.geometry.trimmed import densest, fit_trimmed, height_above
 from stair_inspector.model import HeightOrder, Horizontal, Patches, Surface
 from stair_inspector.stages.bar_peaks import FEWEST_IN_PEAK, NOT_LEVEL, find_peaks, points_at_peaks
 from stair_inspector.stages.patches import surface_of_part
@@ -36,6 +37,15 @@ _SWALLOWED = 0.5
 _TRIM_SIGMA, _LEAST_SIGMA_M, _ROUNDS = 2.5, 0.0005, 3
 _SAME_HEIGHT_M = 0.012
 _MOST_PIECES, _MOST_TO_FIT, _ENOUGH_TO_FIT = 400, 4000, 1000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tops:
+    """The plane of the tops of bars: slope (2,), a point of it (3,) and the scatter about it, metres, level frame."""
+
+    slope: Floats
+    centre: Floats
+    sigma_m: float
 
 
 def join_bars(
@@ -80,11 +90,11 @@ def _treads_of(
     points = heights.coordinates_m[:, rows]
     is_covered = is_mostly_level or _is_covered(points[:2], float(np.median(points[2])), patches)
     # Most of these are whole treads, which need to be known less well than what may be bars.
-    rows = _on_plane(heights.coordinates_m, rows, _ENOUGH_TO_FIT if is_covered else _MOST_TO_FIT)
+    rows, plane = _on_plane(heights.coordinates_m, rows, _ENOUGH_TO_FIT if is_covered else _MOST_TO_FIT)
     if len(rows) < FEWEST_IN_PEAK:
         return []
     # On the rim of a whole tread hang its own faces; what hangs far inside is seen through gaps.
-    if is_covered and not _has_sides_within(heights.coordinates_m, rows, cell_m):
+    if is_covered and not _has_sides_within(heights.coordinates_m, rows, plane, cell_m):
         return []
     plan = heights.coordinates_m[:2, rows]
     low = plan.min(axis=1)
@@ -108,20 +118,19 @@ def _treads_of(
         is_large = np.count_nonzero(is_own) * cell_m**2 >= least_area_m2 and _sides(places_m)[1] >= 0.1
         if is_large and not (
             _is_covered(heights.coordinates_m[:2, mine], height_m, patches)
-            and not _has_sides_within(heights.coordinates_m, mine, cell_m)
+            and not _has_sides_within(heights.coordinates_m, mine, plane, cell_m)
         ):
             result.append(mine)
     return result
 
 
-def _has_sides_within(coordinates: Floats, rows: Ints, cell_m: float) -> bool:
-    """Return whether the sides of bars hang below a surface, given by some of its points, away from its rim.
+def _has_sides_within(coordinates: Floats, rows: Ints, plane: _Tops, cell_m: float) -> bool:
+    """Return whether the sides of bars hang below a surface, given by its points and plane, away from its rim.
 
     Sides go down evenly from the tops; the underside of a thin slab, which may be seen from below, lies at one depth.
     """
     points = coordinates[:, rows[:: -(-len(rows) // _MOST_TO_FIT)]]
-    slope, centre, sigma_m = fit_trimmed(points)
-    near_m, far_m = max(_SIDE_NEAR_M, _SIDE_NEAR_SIGMAS * sigma_m), _SIDE_FAR_M
+    near_m, far_m = max(_SIDE_NEAR_M, _SIDE_NEAR_SIGMAS * plane.sigma_m), _SIDE_FAR_M
     if near_m >= far_m / 2.0:
         return False
     side_m = 2.0 * cell_m
@@ -138,35 +147,33 @@ def _has_sides_within(coordinates: Floats, rows: Ints, cell_m: float) -> bool:
     column, row = ((near[:2] - low[:, None]) / side_m).astype(np.int64)
     is_in = (column > 0) & (column < shape[0] - 1) & (row > 0) & (row < shape[1] - 1)
     near = near[:, is_in][:, is_inside[column[is_in], row[is_in]]]
-    off = near[2] - centre[2] - slope @ (near[:2] - centre[:2, None])
+    off = height_above(near, plane.slope, plane.centre)
     hanging, _ = np.histogram(-off, np.linspace(near_m, far_m, _SIDE_PARTS + 1))
     n_on = int(np.count_nonzero(np.abs(off) <= near_m))
     return bool(_SIDE_PARTS * int(hanging.min()) >= _SIDE_SHARE * max(n_on, 1))
 
 
-def _on_plane(coordinates: Floats, rows: Ints, most: int) -> Ints:
-    """Return those of some points that lie on the plane of the bars' tops; their sides hang below it.
+def _on_plane(coordinates: Floats, rows: Ints, most: int) -> tuple[Ints, _Tops]:
+    """Return those of some points that lie on the plane of the bars' tops, and that plane; their sides hang below it.
 
     What is noise shows above the plane alone: the points below it within the same distance belong to it too.
     """
     # Thousands of points give the plane as well as tens of thousands.
     points = coordinates[:, rows[:: -(-len(rows) // most)]]
-    slope, centre, _ = fit_trimmed(points)
+    slope, centre, sigma_m = fit_trimmed(points)
     reach_m = 0.0
     for _ in range(_ROUNDS):
-        off = points[2] - centre[2] - slope @ (points[:2] - centre[:2, None])
+        off = height_above(points, slope, centre)
         # Where a quarter of them lie within the least height.
         top = densest(off, max(2, len(off) // 4))
         above = off[off > top] - top
-        sigma_m = max(MAD_TO_SIGMA * float(np.median(above)) if len(above) else 0.0, _LEAST_SIGMA_M)
-        reach_m = _TRIM_SIGMA * sigma_m
+        reach_m = _TRIM_SIGMA * max(MAD_TO_SIGMA * float(np.median(above)) if len(above) else 0.0, _LEAST_SIGMA_M)
         kept = np.abs(off - top) <= reach_m
         if np.count_nonzero(kept) < FEWEST_IN_PEAK:
             break
-        slope, centre, _ = fit_trimmed(points[:, kept])
-    every = coordinates[:, rows]
-    is_top: Bools = np.abs(every[2] - centre[2] - slope @ (every[:2] - centre[:2, None])) <= reach_m
-    return rows[is_top]
+        slope, centre, sigma_m = fit_trimmed(points[:, kept])
+    is_top: Bools = np.abs(height_above(coordinates[:, rows], slope, centre)) <= reach_m
+    return rows[is_top], _Tops(slope, centre, sigma_m)
 
 
 def _join_pieces(places_m: Floats, labels: Ints, cell_m: float) -> Ints:

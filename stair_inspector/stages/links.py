@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stair_inspector import priors
-from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.arrays import Floats, Ints
 from stair_inspector.geometry.plan import angle_deg, left_of
 from stair_inspector.model import Patches, Surface
 from stair_inspector.params import FlightsParams
@@ -102,11 +102,11 @@ def _link(
     below, above = patches.surfaces[lower], patches.surfaces[upper]
     cell_m = patches.cell_m
     reach = params.max_gap_m + 2.0 * cell_m
-    to_below, near_below = (found[:, 0] for found in trees[lower].query(above.cells_m.T))
+    to_below, near_below = _nearest_of(trees[lower], below, above, reach + _BAND_CELLS * cell_m)
     # Cells that touch have their means about a cell apart.
     if float(to_below.min()) > reach:
         return None
-    to_above, near_above = (found[:, 0] for found in trees[upper].query(below.cells_m.T))
+    to_above, near_above = _nearest_of(trees[upper], above, below, reach + _BAND_CELLS * cell_m)
     is_covered = np.count_nonzero(to_below <= 1.5 * cell_m) > _COVERED_SHARE * above.cells_m.shape[1]
     if is_covered and below.area_m2 <= priors.FLOOR_RATIO * above.area_m2:
         return None
@@ -134,6 +134,20 @@ def _link(
         if given is not None and angle_deg(climb, given) > CLIMB_TOLERANCE_DEG:
             return None
     return Link(lower, upper, below.height_m, rise_m, climb, middle, length_m)
+
+
+def _nearest_of(tree: Any, of: Surface, cells: Surface, within_m: float) -> tuple[Floats, Ints]:
+    """Return distance (n,) and number (n,) of a surface's cell that is nearest to each of another's.
+
+    Cells beyond the rectangle around the surface and so much more are infinitely far: most of a large floor are.
+    """
+    low, high = of.cells_m.min(axis=1) - within_m, of.cells_m.max(axis=1) + within_m
+    places = cells.cells_m.T
+    near = np.flatnonzero(np.all((places >= low) & (places <= high), axis=1))
+    distances, numbers = np.full(len(places), np.inf), np.zeros(len(places), dtype=np.int64)
+    if len(near):
+        distances[near], numbers[near] = (found[:, 0] for found in tree.query(places[near]))
+    return distances, numbers
 
 
 def _where_ahead(distances: Floats, ways: Floats, given: Floats) -> Floats:
