@@ -16,6 +16,7 @@ _ON_THE_PAGE = (
     ("give --up -z if the scan's z axis points down", "set Up on the Scan tab to -z if the scan's z axis points down"),
     ("give --up if that is wrong", "correct Up on the Scan tab if that is wrong"),
     ("give --up if you know it", "set Up on the Scan tab if you know it"),
+    ("measure it without --station", "choose 'all together' under Which station on the Scan tab"),
     ("or set uncertainty.*", "or state them on the Tune tab, under Survey"),
 )
 """What the command line is told, and what the page has for it."""
@@ -34,6 +35,9 @@ _ROUTINE = frozenset(
         "colors_dropped",
         "normals_dropped",
         "columns_ignored",
+        "stations_read",
+        "rays_dropped",
+        "invalid_dropped",
     }
 )
 """Codes of notes that say how a value came about, and stand beside it too. All others may change what is a step."""

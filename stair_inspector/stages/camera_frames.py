@@ -47,7 +47,7 @@ def is_view(scan: Scan, points: Floats) -> bool:
 
 def side_of_sensor(points: Floats, up: Floats) -> float:
     """Return how many more of the faces of a camera's view lie below the camera than above, as a share, -1 to 1."""
-    return float(np.sign(-project(points.T, up)).mean())
+    return 0.0 if not len(points) else float(np.sign(-project(points.T, up)).mean())
 
 
 def looks_down_deg(points: Floats, up: Floats) -> float:

@@ -34,6 +34,9 @@ def test_no_note_and_no_error_of_the_stages_speaks_of_the_command_line_on_the_pa
         and ("--up" in line or "--unit" in line or "uncertainty.*" in line)
     ]
     assert len(spoken) >= 6
+    assert on_page("has no stations; measure it without --station").endswith(
+        "choose 'all together' under Which station on the Scan tab"
+    )
     for line in spoken:
         words = on_page(line)
         assert "--" not in words

@@ -17,7 +17,7 @@ class StationMenu:
         self._desk = context.desk
         self._editor = context.editor
         self.menu = context.widgets.dropdown(
-            "Station",
+            "Which station",
             (ALL,),
             hint="Measures what one station saw, for itself. All stations are taken together where none is chosen.",
             is_visible=False,
