@@ -113,19 +113,29 @@ def _check_nearness(points: Floats) -> None:
 class Moved:
     """Points that were laid onto the others before they were measured.
 
-    ``is_moved`` (n,) of the scan's points; ``turn`` (3, 3) and ``shift_m`` (3,) local: such a point came to lie at
-    ``turn @ point + shift_m``. ``unheld_m`` (k, 3) are shifts that may be left, along directions in which no surface
-    shows them.
+    ``of_point`` (n,) is the number of the motion that each of the scan's points made, 0 of those that stayed; ``turns``
+    (m, 3, 3) and ``shifts_m`` (m, 3) local: such a point came to lie at ``turn @ point + shift``. ``unheld_m`` (k, 3)
+    are shifts that may be left, along directions in which no surface shows them.
     """
 
-    is_moved: Bools
-    turn: Floats
-    shift_m: Floats
+    of_point: Labels
+    turns: Floats
+    shifts_m: Floats
     unheld_m: Floats
+
+    @property
+    def is_moved(self) -> Bools:
+        """Whether each point (n,) was moved."""
+        moved: Bools = self.of_point > 0
+        return moved
 
     def places(self, points: Floats, rows: Ints) -> Floats:
         """Return where points (m, 3), which stand in these rows of the scan, were measured."""
-        places: Floats = np.where(self.is_moved[rows][:, None], points @ self.turn.T + self.shift_m, points)
+        places = np.array(points, dtype=np.float64)
+        numbers = self.of_point[rows]
+        for number in range(1, len(self.shifts_m)):
+            own = numbers == number
+            places[own] = places[own] @ self.turns[number].T + self.shifts_m[number]
         return places
 
 

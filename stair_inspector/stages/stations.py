@@ -5,37 +5,26 @@ surfaces are double, the layers then part the file's order too, and so tell whos
 two layers, on all that is double, is the motion that lays one station onto the other.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
-from stair_inspector.model import Examination, Moved, Observation, Scan
+from stair_inspector.model import Examination, Moved, Observation, Scan, ScanStations
 from stair_inspector.params import Method, Stations
 from stair_inspector.stages.examine import CURES, size_text
+from stair_inspector.stages.known_stations import MOST_APART_M, LaidStations, lay_stations
 from stair_inspector.stages.layers import Cells, find_ways, sight_of
 from stair_inspector.stages.order_shifts import LEAST_APART_M, find_order_shift, flat_ways
 from stair_inspector.stages.station_layers import FEWEST_LABELLED, is_along, tell_stations
-from stair_inspector.stages.station_motion import Motion, distance_apart, fit_motion
+from stair_inspector.stages.station_motion import distance_apart, fit_motion
 
 _MOST_POINTS, _MOST_FOR_MEANS = 300_000, 100_000
-_MOST_M = 0.022
-"""Farther apart it is asked: edges of treads, 25 to 40 mm thick, show two layers as well, and cut the order wrongly."""
-_MOST_PARTS = 16
+_MOST_NAMES = 5
 _REMEDY = (
     "register the stations once more, cloud to cloud against floor and walls; to measure the file as it is: "
     "--stations as_read"
 )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Part:
-    """Which points (n,) are of one station; its number and name where the file tells it."""
-
-    is_own: Bools
-    station: int | None = None
-    name: str = ""
 
 
 def join_stations(
@@ -92,6 +81,11 @@ def _laid_by_layers(scan: Scan, examined: Examination) -> tuple[Scan, Examinatio
 def _laid_by_means(scan: Scan, examined: Examination, *, is_left: bool) -> tuple[Scan, Examination]:
     """Do the same where means of many points tell what layers do not; where nothing can be laid, say what they show."""
     cut = _Cut.of(scan, _MOST_FOR_MEANS, is_flat=True)
+    if _is_told(scan) and not is_left:
+        # Whose each point is needs no guess, and no layer need be seen.
+        laid = _laid(scan, examined, None, cut, None)
+        if laid is not None:
+            return laid
     shift = find_order_shift(scan.points, cut.cells, cut.ways, cut.stride)
     if shift is None:
         return scan, examined
@@ -101,7 +95,7 @@ def _laid_by_means(scan: Scan, examined: Examination, *, is_left: bool) -> tuple
     if apart_m is None or abs(apart_m) < LEAST_APART_M:
         return scan, examined
     shifts_m = (apart_m * shift.normal)[None]
-    is_shown = not is_left and (shift.is_two or _is_told(scan))
+    is_shown = not is_left and shift.is_two and not _is_told(scan)
     laid = _laid(scan, examined, shifts_m, cut, shift.is_low) if is_shown else None
     if laid is not None or len(examined.layers_m):
         return laid or (scan, examined)
@@ -111,65 +105,94 @@ def _laid_by_means(scan: Scan, examined: Examination, *, is_left: bool) -> tuple
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cut:
-    """Every ``stride``-th point of a scan in cells, and the ways that they face."""
+    """Every ``stride``-th point of a scan in cells, and the ways that they face; ``is_flat`` without cells at edges."""
 
     cells: Cells
     ways: list[tuple[Floats, Ints]]
     stride: int
+    is_flat: bool
 
     @classmethod
     def of(cls, scan: Scan, most: int, *, is_flat: bool = False) -> "_Cut":
-        """Put at most so many points in cells; ``is_flat`` leaves out those with an edge."""
+        """Put at most so many points in cells."""
         stride = -(-len(scan.points) // most)
         cells = Cells(scan.points[::stride], sight=sight_of(scan.points, scan.stations, stride))
-        return cls(cells, flat_ways(cells) if is_flat else cells.ways(), stride)
+        return cls(cells, flat_ways(cells) if is_flat else cells.ways(), stride, is_flat)
 
 
 def _laid(
-    scan: Scan, examined: Examination, shifts_m: Floats, cut: _Cut, is_second: Bools | None
+    scan: Scan, examined: Examination, shifts_m: Floats | None, cut: _Cut, is_second: Bools | None
 ) -> tuple[Scan, Examination] | None:
     """Return the scan with a station laid onto the others, and what is said of it; None where no station fits.
 
-    ``is_second`` (n,) are the points of one, where the file does not tell its stations.
+    ``shifts_m`` (k, 3) are those that layers show, None where none do; ``is_second`` (n,) are the points of one
+    station, where the file does not tell them.
     """
-    for part in _parts(scan, is_second):
-        is_own = part.is_own
-        motion = fit_motion(cut.cells, cut.ways, is_own[:: cut.stride][cut.cells.rows], float(examined.steps_m.max()))
-        if motion is None or np.linalg.norm(motion.shift) > _MOST_M:
-            continue
-        points = scan.points.copy()
-        points[is_own] = motion.moved(points[is_own])
-        left = find_ways(points, examined.steps_m, scan.stations)
-        if not any(way.is_sure or is_along(way.normal, motion.shift) for way in left):
-            return _with_motion(scan, examined, part, motion, points, shifts_m)
-    return None
-
-
-def _with_motion(
-    scan: Scan, examined: Examination, part: _Part, motion: Motion, points: Floats, shifts_m: Floats
-) -> tuple[Scan, Examination]:
-    """Return the scan with the points where they were laid, and what is said of it."""
-    is_second = part.is_own
-    place = motion.moved(np.zeros((1, 3)))[0]
-    turn = motion.moved(np.eye(3)) - place
-    # Stations that are so far apart along one direction may be so along those in which no surface shows it.
-    unheld_m = float(np.linalg.norm(motion.shift)) * motion.unheld
-    moved = Moved(freeze(is_second), freeze(turn.T.copy()), freeze(place.copy()), freeze(unheld_m))
+    known = scan.stations if _is_told(scan) else None
+    step_m = float(examined.steps_m.max())
+    if known is not None:
+        laid = lay_stations(scan, known, flat_ways if cut.is_flat else Cells.ways, step_m)
+    else:
+        laid = None if is_second is None else _second_laid(cut, is_second, step_m)
+    if laid is None:
+        return None
+    if shifts_m is None:
+        shifts_m = np.array([motion.shift for motion in laid.motions])
+        shifts_m = shifts_m[np.linalg.norm(shifts_m, axis=1) >= LEAST_APART_M]
+        if not len(shifts_m):
+            return None
+    points = laid.places(scan.points)
+    for way in find_ways(points, examined.steps_m, scan.stations):
+        if way.is_sure or any(is_along(way.normal, motion.shift) for motion in laid.motions):
+            return None
     doubled = _doubled(examined)
     kept = tuple(found for found in examined.observations if found not in doubled)
-    layers_m = shifts_m / np.linalg.norm(shifts_m, axis=1)[:, None] * motion.u_m
-    observations = (*kept, _observe(motion, part))
-    laid = replace(examined, observations=observations, layers_m=layers_m, moved=moved)
+    layers_m = shifts_m / np.linalg.norm(shifts_m, axis=1)[:, None] * max(motion.u_m for motion in laid.motions)
+    moved = _moved(laid)
     normals = scan.normals
     if normals is not None:
-        normals = np.where(is_second[:, None], normals @ turn, normals)
+        normals = np.einsum("nij,nj->ni", moved.turns[moved.of_point], normals)
         normals = normals / np.linalg.norm(normals, axis=1)[:, None]
-    stations = scan.stations
-    if stations is not None and part.station is not None:
-        places_m = stations.places_m.copy()
-        places_m[part.station] = motion.moved(places_m[[part.station]])[0]
-        stations = replace(stations, places_m=places_m)
-    return replace(scan, points=freeze(points), normals=normals, stations=stations), laid
+    if known is not None:
+        places_m = known.places_m.copy()
+        for station, motion in zip(laid.stations, laid.motions, strict=True):
+            places_m[station] = motion.moved(places_m[[station]])[0]
+        known = replace(known, places_m=places_m)
+    observations = (*kept, _observe(laid, known))
+    return (
+        replace(scan, points=freeze(points), normals=normals, stations=known or scan.stations),
+        replace(examined, observations=observations, layers_m=layers_m, moved=moved),
+    )
+
+
+def _second_laid(cut: _Cut, is_second: Bools, step_m: float) -> LaidStations | None:
+    """Return the motion that lays the smaller of two parts of the file onto the other."""
+    if 2 * np.count_nonzero(is_second) > len(is_second):
+        is_second = ~is_second
+    motion = fit_motion(cut.cells, cut.ways, is_second[:: cut.stride][cut.cells.rows], step_m)
+    if motion is None or np.linalg.norm(motion.shift) > MOST_APART_M:
+        return None
+    return LaidStations(is_second.astype(np.int16), (motion,))
+
+
+def _moved(laid: LaidStations) -> Moved:
+    """Return how the points were moved, and the shifts that may be left where no surface shows them."""
+    turns, shifts_m = [np.eye(3)], [np.zeros(3)]
+    unheld_m: list[Floats] = []
+    for motion in laid.motions:
+        place = motion.moved(np.zeros((1, 3)))[0]
+        turns.append((motion.moved(np.eye(3)) - place).T)
+        shifts_m.append(place)
+    # Stations that are so far apart along one direction may be so along those in which no surface shows it.
+    for motion in sorted(laid.motions, key=lambda each: -float(np.linalg.norm(each.shift))):
+        new = [each for each in motion.unheld if not any(is_along(each, known) for known in unheld_m)]
+        unheld_m += [float(np.linalg.norm(motion.shift)) * each for each in new]
+    return Moved(
+        freeze(laid.of_point.copy()),
+        freeze(np.array(turns)),
+        freeze(np.array(shifts_m)),
+        freeze(np.array(unheld_m).reshape(-1, 3)),
+    )
 
 
 def _is_told(scan: Scan) -> bool:
@@ -177,29 +200,21 @@ def _is_told(scan: Scan) -> bool:
     return scan.stations is not None and len(scan.stations.seen) > 1
 
 
-def _parts(scan: Scan, is_second: Bools | None) -> Iterator[_Part]:
-    """Yield the parts of the scan of which one may be a station that lies apart from the others."""
-    stations = scan.stations
-    if stations is None or not _is_told(scan):
-        if is_second is not None:
-            yield _Part(~is_second if 2 * np.count_nonzero(is_second) > len(is_second) else is_second)
-        return
-    counts = np.bincount(stations.of_point)
-    in_order = sorted(stations.seen.tolist(), key=lambda k: int(counts[k]))
-    # Of two, either parts the scan alike; the larger stays.
-    for k in in_order[:1] if len(in_order) == 2 else in_order[:_MOST_PARTS]:
-        yield _Part(stations.of_point == k, k, stations.names[k])
-
-
-def _observe(motion: Motion, part: _Part) -> Observation:
-    size_m = float(np.linalg.norm(motion.shift))
+def _observe(laid: LaidStations, stations: ScanStations | None) -> Observation:
+    size_m = max(float(np.linalg.norm(motion.shift)) for motion in laid.motions)
     which = f"the file holds stations {size_text(size_m)} apart, one after the other"
-    if part.station is not None:
-        which = f"station '{part.name}' lies {size_text(size_m)} apart from the others"
+    if stations is not None:
+        names = ", ".join(f"'{stations.names[k]}'" for k in laid.stations[:_MOST_NAMES])
+        more = f" and {len(laid.stations) - _MOST_NAMES} more" * (len(laid.stations) > _MOST_NAMES)
+        one = len(laid.stations) == 1
+        which = (
+            f"{'station' if one else 'stations'} {names}{more} {'lies' if one else 'lie up to'} {size_text(size_m)} "
+            "apart from the others"
+        )
     message = (
         f"surfaces were double: {which}; "
-        f"{np.count_nonzero(part.is_own):,} of {len(part.is_own):,} points were laid onto the others before measuring, "
-        f"to within {size_text(motion.u_m)} on each patch of surface"
+        f"{np.count_nonzero(laid.of_point):,} of {len(laid.of_point):,} points were laid onto the others before "
+        f"measuring, to within {size_text(max(motion.u_m for motion in laid.motions))} on each patch of surface"
     )
     return Observation("stations_joined", "doubt", message, size_m, _REMEDY)
 

@@ -65,6 +65,37 @@ def test_of_three_stations_the_one_that_lies_apart_moves():
     assert np.abs((laid.points - scanned.points[ORDER])[now.moved.is_moved, 2]).max() < 4e-4
 
 
+def test_of_three_stations_two_that_lie_apart_in_their_own_ways_move():
+    scanned, is_second = simulated()
+    of_point = np.where(is_second, 1, 2 * (np.arange(len(is_second)) % 5 == 0))
+    points = scanned.points + np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.012], [0.0, 0.0, -0.009]])[of_point]
+    scan = known(points[ORDER], of_point[ORDER])
+    laid, now = join_stations(scan, examine(scan), "auto")
+    assert np.array_equal(now.moved.is_moved, of_point[ORDER] > 0)
+    assert np.abs((laid.points - scanned.points[ORDER])[:, 2]).max() < 5e-4
+    (said,) = now.observations
+    assert said.message.startswith("surfaces were double: stations 'B', 'C' lie up to 12 mm apart from the others; ")
+    rows = np.arange(len(points))
+    np.testing.assert_allclose(now.moved.places(scan.points, rows), laid.points, rtol=0.0, atol=1e-12)
+    # A station that is too far off is not laid, and then none is.
+    points[of_point == 1, 2] += 0.03
+    scan = known(points[ORDER], of_point[ORDER])
+    assert join_stations(scan, examine(scan), "auto")[0] is scan
+
+
+def test_stations_whose_layers_noise_hides_are_laid_onto_each_other():
+    scanned, is_second = simulated()
+    noise = np.random.default_rng(8).normal(0.0, 0.004, scanned.points.shape)
+    scan = known((apart((0.0, 0.0, 0.008)) + noise)[ORDER], is_second[ORDER], places())
+    examined = examine(scan)
+    assert not len(examined.layers_m) + len(examined.hints_m)
+    laid, now = join_stations(scan, examined, "auto")
+    assert np.array_equal(now.moved.is_moved, is_second[ORDER])
+    assert np.median((laid.points - scan.points)[now.moved.is_moved, 2]) == pytest.approx(-0.008, abs=5e-4)
+    sound = known((scanned.points + noise)[ORDER], is_second[ORDER], places())
+    assert join_stations(sound, examine(sound), "auto")[0] is sound
+
+
 def test_stations_that_lie_over_each_other_stay():
     scanned, is_second = simulated()
     scan = known(scanned.points, is_second, places())
