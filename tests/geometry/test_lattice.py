@@ -55,6 +55,26 @@ def test_turned_and_flipped_twice_is_the_lattice_itself():
     assert lattice.turned().rise_m == lattice.going_m
 
 
+def middles(lattice):
+    """The middles of the treads and of the risers of a reading, as sets of places to 1 nm."""
+    step = lattice.going_m * lattice.ahead + lattice.rise_m * lattice.up
+    treads = [lattice.origin + k * step + lattice.going_m / 2.0 * lattice.ahead for k in lattice.treads]
+    risers = [lattice.origin + k * step - lattice.rise_m / 2.0 * lattice.up for k in lattice.risers]
+    return tuple({tuple(np.round(place, 9) + 0.0) for place in places} for places in (treads, risers))
+
+
+def test_every_reading_has_its_faces_where_they_are():
+    lattice = lattice_of(STAIR)
+    treads, risers = middles(lattice)
+    assert (len(treads), len(risers)) == (6, 6)
+    assert middles(lattice.flipped()) == (treads, risers)
+    # On its back the treads are risers.
+    assert middles(lattice.turned()) == (risers, treads)
+    assert middles(lattice.turned().flipped()) == (risers, treads)
+    for reading in (lattice.flipped(), lattice.turned()):
+        assert reading.score == lattice.score == 12 + lattice.joints
+
+
 def test_what_the_rhythm_expects_and_nobody_saw_is_counted():
     points, normals = STAIR.sample()
     local = (points - LEANING[:3, 3]) @ LEANING[:3, :3]

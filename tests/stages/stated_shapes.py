@@ -26,9 +26,10 @@ def edge(middle_m, noise_m=0.0, slope=0.0, along_m=0.0, slope_noise=0.0):
     return EdgeLine(middle_m, slope, along_m, noise_m, slope_noise, 1.0, "face")
 
 
-def plane(z0_m, slope=(0.0, 0.0), deviations=(0.0, 0.0, 0.0), sigma_m=0.0, **values):
+def plane(z0_m, slope=(0.0, 0.0), deviations=(0.0, 0.0, 0.0), **values):
     """A plane without noise of single points; ``deviations`` are those of its height and its two slopes."""
-    return LocalPlane(z0_m, slope, np.diag(np.square(deviations)), sigma_m, 0.0, 0.0, 1000, **values)
+    sampled = {"sigma_m": 0.0, "spacing_m": 0.0, "misfit_m": 0.0, "n_points": 1000, **values}
+    return LocalPlane(z0_m, slope, np.diag(np.square(deviations)), **sampled)
 
 
 def shape(k, **values):
