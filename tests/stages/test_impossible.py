@@ -105,6 +105,31 @@ def test_statistics_and_pitch_of_the_flight_are_without_what_was_taken_out():
     assert flight.rise.n == 5
 
 
+def test_the_pitch_of_a_flight_stays_where_its_line_does():
+    # A width is no part of the line; nor is the rise to the first nosing.
+    for step_id, name in ((2, "width_m"), (1, "rise_m")):
+        found, notes, before = reviewed(changed(steps_of(), step_id, **{name: Measured(-0.01, 0.001)}))
+        assert notes == [(IMPOSSIBLE, step_id)]
+        assert found.flights[0].pitch_deg == before.flights[0].pitch_deg
+    found, _, _ = reviewed(changed(steps_of(), 2, rise_m=Measured(-0.01, 0.001)))
+    assert found.flights[0].pitch_deg is None
+
+
+def test_the_ends_of_a_flight_have_no_neighbours_beyond():
+    going_on = {"going_m": measured(0.29, 0.001), "tread_depth_m": measured(0.31, 0.001)}
+    # The first nosing lies before the second, of which the going after it fits.
+    found, notes, _ = reviewed(changed(changed(steps_of(), N, **going_on), 1, going_m=BAD))
+    assert notes == [(IMPOSSIBLE, 1)]
+    assert (found.steps[0].rise_m, found.steps[0].going_m, found.steps[1].rise_m) == (None, None, None)
+    assert found.steps[-1].going_m == going_on["going_m"]
+    # Behind the last step the next flight begins: its own nosing is all there is to doubt.
+    found, notes, _ = reviewed(changed(steps_of(), N, **{**going_on, "going_m": BAD}))
+    assert notes == [(IMPOSSIBLE, N)]
+    assert found.steps[-1].going_m is None
+    assert found.steps[-2].going_m is None
+    assert found.steps[0].rise_m is not None
+
+
 def test_a_pitch_steeper_than_a_ladder_is_none_and_a_steep_stair_is_one():
     assert steepest_pitch_deg(LIMITS) == priors.STEEPEST_PITCH_DEG
     steps = steps_of()
@@ -119,6 +144,9 @@ def test_nosings_that_cross_are_none():
     crossing = changed(steps, 6, nosing=nosing_at(7 * GOING_M, 4.9 * GOING_M))
     assert reviewed(crossing)[1] == [(IMPOSSIBLE, 6)]
     assert not reviewed(changed(steps, 6, nosing=nosing_at(7 * GOING_M, 5.1 * GOING_M)))[1]
+    # A short one that would cross it if it went on does not.
+    short = np.array([[7 * GOING_M, WIDTH_M / 2, 1.0], [5.5 * GOING_M, 0.0, 1.0]])
+    assert not reviewed(changed(steps, 6, nosing=short))[1]
     # The narrow ends of wedges meet; but a going that is not positive on a measuring line is none there either.
     assert not reviewed(crossing, shape="spiral")[1]
     on_a_line = changed(steps, 5, going_lcr_m=(0.5, 0.29, -0.01))
