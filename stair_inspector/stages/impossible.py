@@ -137,9 +137,6 @@ def _review_flight(steps: Sequence[Step], is_straight: bool, steepest_deg: float
     goings = [step.going_m.value for k, step in enumerate(steps) if step.going_m is not None and k not in why]
     usual_m = float(np.median(goings)) if goings else priors.USUAL_GOING_M
     for k, reason in why.items():
-        upper = steps[k + 1] if k + 1 < len(steps) else None
-        lost.take(steps[k], *_OVER_NOSING)
-        lost.take(upper, *_UP_TO_NOSING)
         for wrong in _mistaken(steps, k, why, usual_m):
             lost.take_nosing(steps, wrong)
             number = steps[wrong].step_id
