@@ -44,7 +44,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
         A setting does not fit the scan.
     """
     memo = memo or Memo()
-    memo.timings_s = {}
+    spent = memo.timings_s = {}
     examined = memo.run("examination", examine, scan)
     scan, examined = memo.run("stations", stations.join_stations, scan, examined, params.stations, params.method)
     normals = memo.run_heavy("normals", orient.find_normals, scan, params.normals)
@@ -72,7 +72,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
         nearest = memo.run("nearest", treads.find_nearest, horizontal, levels, surfaces, params.display)
         steps = memo.run("paper", paper.measure_steps, scan, up, surfaces, axes, edges, nearest)
     profile = memo.run("profile", find.profile_heights, horizontal)
-    found = conclude(scan, params, examined, up, axes, horizontal, levels, profile, surfaces, steps, memo.timings_s)
+    found = conclude(scan, params, examined, normals, up, axes, horizontal, levels, profile, surfaces, steps, spent)
     if params.method == "paper":
         return found
     found = replace(found, examination=with_questions((*found.examination, *fitted.observations), params.uncertainty))
@@ -92,8 +92,8 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
         "survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, lines, doubts, shown, examined
     )
     survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey), limits, shapes, examined)
-    concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, memo.timings_s)
+    concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, spent)
     if not concluded.steps and not is_hopeless:
         tried = memo.run("suggested", try_suggested, heights, is_sparse, params, forced)
-        return withhold(say_tried(concluded, tried, memo.timings_s))
+        return withhold(say_tried(concluded, tried, spent))
     return withhold(concluded)

@@ -47,11 +47,13 @@ def run(args: list[str]) -> int:
     view = parse_arguments(ViewScans, "view", args, ViewScans(settings=preset_params(args)))
     from stair_inspector.files.paths import sample_scans
     from stair_inspector.files.scans import find_scans
-    from stair_inspector.geometry.open3d import check_system_libraries
+    from stair_inspector.geometry.open3d import why_not_loadable
     from stair_inspector.simulation.samples import DEFAULT_SAMPLE
 
-    # Said in the terminal now, not on the page after the first scan.
-    check_system_libraries()
+    reason = why_not_loadable()
+    if reason:
+        # Said in the terminal now, not only on the page after the first scan.
+        print(f"stair-inspector: note: works without Open3D: {reason}", file=sys.stderr, flush=True)
     if view.project_dir:
         check_folder(Path(view.project_dir), "--project-dir")
     basis = _basis_of_all(Path(view.fields)) if view.fields else None

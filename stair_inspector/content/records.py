@@ -33,6 +33,7 @@ def inspection_to_dict(inspection: Inspection, check: Check | None = None) -> di
         },
         "examination": [dataclasses.asdict(found) for found in inspection.examination],
         "settings": params_to_dict(inspection.params),
+        "normals": {"by": inspection.normals_by},
         "up": {"vector": inspection.up.vector.tolist(), "source": inspection.up.source, "u_deg": inspection.up.u_deg},
         "axes": None
         if axes is None

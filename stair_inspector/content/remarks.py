@@ -34,6 +34,7 @@ _ROUTINE = frozenset(
         "no_return_dropped",
         "colors_dropped",
         "normals_dropped",
+        "without_open3d",
         "columns_ignored",
         "stations_read",
         "rays_dropped",

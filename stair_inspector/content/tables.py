@@ -20,10 +20,12 @@ from stair_inspector.content.cells import (
 )
 from stair_inspector.content.document import Cell, Column, Table, TablePart, Tone, table_of
 from stair_inspector.content.values import flight_value, steps_of
-from stair_inspector.model import Flight, Inspection, Statistics, Step
+from stair_inspector.model import Flight, Inspection, NormalsBy, Statistics, Step
 from stair_inspector.quantities import COMPARED, ON_LINES, SHOWN_OF_PAPER, in_report, step_value, with_above
 from stair_inspector.quantity_types import LINES, PaperQuantity, Quantity
 
+MADE_BY: dict[NormalsBy, str] = {"open3d": "Open3D", "numpy": "numpy and SciPy", "file": "the file"}
+"""Who made the normals, in words."""
 _BEYOND = (Verdict.OUTSIDE, Verdict.OUTSIDE_CLOSE, Verdict.WITHIN_CLOSE)
 """What a step is flagged for, the gravest first."""
 
@@ -152,7 +154,8 @@ def paper_table(inspection: Inspection) -> Table:
         note=(
             "Defined in Joo et al., Robust and Accurate Stair Geometry Extraction Using Point Cloud Data: h from this "
             "step's centroid to the next one's, edges by percentiles. They differ from rise and going, which run from "
-            "nosing to nosing; no code is judged on them."
+            "nosing to nosing; no code is judged on them. "
+            f"The normals were made by {MADE_BY[inspection.normals_by]}."
         ),
         empty="No step was found.",
     )

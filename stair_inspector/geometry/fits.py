@@ -7,7 +7,8 @@ import numpy as np
 
 from stair_inspector.errors import DegenerateGeometry
 from stair_inspector.geometry.arrays import Floats, project, scatter_of
-from stair_inspector.geometry.open3d import load_open3d
+from stair_inspector.geometry.neighbours import plane_of_most
+from stair_inspector.geometry.open3d import find_open3d
 
 _LINE_RATIO = 1e-6
 """Second singular value over first below which points count as lying on one line."""
@@ -103,17 +104,21 @@ def find_plane_ransac(points: Floats, distance_m: float) -> PlaneFit:
 
     Notes
     -----
-    Open3D's RANSAC with a fixed seed and no early exit, so that the same points give the same plane.
+    Open3D's RANSAC with a fixed seed and no early exit, so that the same points give the same plane; where it cannot
+    be loaded, one of numpy.
     """
     if len(points) < 3 or spread_rank(points) < 2:
         raise DegenerateGeometry(f"a plane needs three points that are not on one line, got {len(points)} points")
-    o3d = load_open3d()
+    o3d = find_open3d()
     stride = -(-len(points) // _RANSAC_POINTS)
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points[::stride].copy()))
-    o3d.utility.random.seed(_RANSAC_SEED)
-    model, _ = cloud.segment_plane(distance_m, ransac_n=3, num_iterations=_RANSAC_ITERATIONS, probability=1.0)
-    normal = np.array(model[:3]) / np.linalg.norm(model[:3])
-    offset = model[3] / np.linalg.norm(model[:3])
+    if o3d is None:
+        normal, offset = plane_of_most(points[::stride], distance_m, _RANSAC_ITERATIONS, _RANSAC_SEED)
+    else:
+        cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points[::stride].copy()))
+        o3d.utility.random.seed(_RANSAC_SEED)
+        model, _ = cloud.segment_plane(distance_m, ransac_n=3, num_iterations=_RANSAC_ITERATIONS, probability=1.0)
+        normal = np.array(model[:3]) / np.linalg.norm(model[:3])
+        offset = model[3] / np.linalg.norm(model[:3])
     inliers = points[np.abs(points @ normal + offset) <= distance_m]
     upwards = normal * np.sign(normal[np.argmax(np.abs(normal))])
     plane = fit_plane(inliers, upwards) if len(inliers) >= 3 else None

@@ -3,7 +3,8 @@
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints
-from stair_inspector.geometry.open3d import load_open3d
+from stair_inspector.geometry.neighbours import normals_of_neighbours
+from stair_inspector.geometry.open3d import find_open3d
 
 _CELL_M = 0.02
 _MORTON_BITS = 21
@@ -61,12 +62,16 @@ def estimate_normals(points: Floats, k: int) -> Floats:
     -----
     Open3D's k-nearest-neighbour normals. Its search is several times faster when neighbours in space are neighbours
     in memory, so the points are sorted along a Z-order curve first and the normals put back; the result is the same.
+    Where it cannot be loaded, a k-d tree and eigenvectors give the same normals but for ties of neighbours.
     """
-    o3d = load_open3d()
     order = morton_order(points)
+    normals = np.zeros_like(points)
+    o3d = find_open3d()
+    if o3d is None:
+        normals[order] = normals_of_neighbours(points[order], k)
+        return normals
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points[order]))
     cloud.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(k))
-    normals = np.zeros_like(points)
     normals[order] = np.asarray(cloud.normals)
     return normals
 

@@ -5,12 +5,13 @@ them; the way a triangle is wound is of no matter.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Floats, Ints
-from stair_inspector.geometry.open3d import load_open3d
+from stair_inspector.geometry.crossings import ClosedSurface
+from stair_inspector.geometry.open3d import find_open3d
 
 _MOST_SOLIDS = 300
 _EXACTNESS = 1e-5
@@ -22,14 +23,71 @@ _SIDE = np.array([0.31, 0.53, 0.79])
 """No surface of a building lies along this."""
 
 
+class Interior(Protocol):
+    """Tells what lies inside a solid, whose size is 1 here."""
+
+    def holds(self, points: Floats) -> Bools:
+        """Mark the points (m, 3) that lie deeper inside than rays can be wrong."""
+
+    def surrounds(self, points: Floats) -> Bools:
+        """Mark the points (m, 3) that lie inside."""
+
+
+class CastRays:
+    """The inside of a solid by Open3D's rays."""
+
+    def __init__(self, open3d: Any, corners: Floats) -> None:
+        self._as_tensor = open3d.core.Tensor
+        self._rays = open3d.t.geometry.RaycastingScene(nthreads=1)
+        local = corners.astype(np.float32).reshape(-1, 3)
+        order = np.arange(len(local), dtype=np.uint32).reshape(-1, 3)
+        self._rays.add_triangles(self._as_tensor(local), self._as_tensor(order))
+
+    def holds(self, points: Floats) -> Bools:
+        """Mark the points (m, 3) that lie deeper inside than rays can be wrong."""
+        asked = self._as_tensor(points.astype(np.float32))
+        is_inside = self._rays.compute_occupancy(asked, nthreads=1).numpy() > 0.5
+        rows = np.flatnonzero(is_inside)
+        is_inside[rows] = self._depths(points[rows]) > _EXACTNESS
+        held: Bools = is_inside
+        return held
+
+    def surrounds(self, points: Floats) -> Bools:
+        """Mark the points (m, 3) that lie inside."""
+        inside: Bools = self._depths(points) > 0.0
+        return inside
+
+    def _depths(self, points: Floats) -> Floats:
+        """Return how deep inside points (m, 3) lie; below zero outside."""
+        asked = self._as_tensor(points.astype(np.float32))
+        depth: Floats = -self._rays.compute_signed_distance(asked, nthreads=1, nsamples=3).numpy().astype(np.float64)
+        return depth
+
+
+class CountedCrossings:
+    """The inside of a solid without Open3D."""
+
+    def __init__(self, corners: Floats) -> None:
+        self._surface = ClosedSurface(corners, _EXACTNESS)
+
+    def holds(self, points: Floats) -> Bools:
+        """Mark the points (m, 3) that lie deeper inside than rays can be wrong."""
+        is_inside, is_near = self._surface.look(points)
+        return is_inside & ~is_near
+
+    def surrounds(self, points: Floats) -> Bools:
+        """Mark the points (m, 3) that lie inside."""
+        return self._surface.look(points)[0]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid:
-    """A part of a model that is closed all around: its box (3,), and what casts rays at it."""
+    """A part of a model that is closed all around: its box (3,), and what tells its inside."""
 
     number: int
     low: Floats
     high: Floats
-    rays: Any
+    interior: Interior
 
     @property
     def size(self) -> float:
@@ -38,18 +96,11 @@ class Solid:
 
     def holds(self, points: Floats) -> Bools:
         """Mark the points (m,) that lie inside, deeper than rays can be wrong."""
-        asked = load_open3d().core.Tensor(((points - self.low) / self.size).astype(np.float32))
-        is_inside = self.rays.compute_occupancy(asked, nthreads=1).numpy() > 0.5
-        rows = np.flatnonzero(is_inside)
-        is_inside[rows] = self.depths(points[rows]) > _EXACTNESS
-        held: Bools = is_inside
-        return held
+        return self.interior.holds((points - self.low) / self.size)
 
-    def depths(self, points: Floats) -> Floats:
-        """Return how deep inside points (m, 3) lie, as shares of its size; below zero outside."""
-        asked = load_open3d().core.Tensor(((points - self.low) / self.size).astype(np.float32))
-        depth: Floats = -self.rays.compute_signed_distance(asked, nthreads=1, nsamples=3).numpy().astype(np.float64)
-        return depth
+    def surrounds(self, points: Floats) -> Bools:
+        """Mark the points (m,) that lie inside."""
+        return self.interior.surrounds((points - self.low) / self.size)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,11 +156,9 @@ def find_parts(corners: Floats) -> ModelParts:
 
 def _solid(number: int, faces: Floats) -> Solid:
     low, high = faces.min(axis=(0, 1)), faces.max(axis=(0, 1))
-    o3d = load_open3d()
-    rays = o3d.t.geometry.RaycastingScene(nthreads=1)
-    local = ((faces - low) / float((high - low).max())).astype(np.float32).reshape(-1, 3)
-    rays.add_triangles(o3d.core.Tensor(local), o3d.core.Tensor(np.arange(len(local), dtype=np.uint32).reshape(-1, 3)))
-    return Solid(number, low, high, rays)
+    local = (faces - low) / float((high - low).max())
+    open3d = find_open3d()
+    return Solid(number, low, high, CountedCrossings(local) if open3d is None else CastRays(open3d, local))
 
 
 def find_hidden(parts: ModelParts, points: Floats, on: Ints) -> Bools | None:
@@ -168,7 +217,7 @@ def outward_normals(corners: Floats, parts: ModelParts) -> tuple[Floats, Bools]:
         rows = np.flatnonzero(parts.part_of == solid.number)
         is_outward[rows] = True
         beside = corners[rows].mean(axis=1) + 10.0 * _EXACTNESS * solid.size * normals[rows]
-        normals[rows[solid.depths(beside) > 0.0]] *= -1.0
+        normals[rows[solid.surrounds(beside)]] *= -1.0
     return normals, is_outward
 
 

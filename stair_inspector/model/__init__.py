@@ -16,6 +16,7 @@ from stair_inspector.model.heights import (
     Level,
     Levels,
     Normals,
+    NormalsBy,
     Up,
 )
 from stair_inspector.model.inspection import Inspection, ScanSummary
@@ -52,6 +53,7 @@ __all__ = [
     "Moved",
     "NearestPoints",
     "Normals",
+    "NormalsBy",
     "Note",
     "Observation",
     "PaperValues",

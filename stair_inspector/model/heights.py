@@ -8,6 +8,8 @@ import numpy as np
 from stair_inspector.geometry.arrays import Floats, Ints, Labels
 from stair_inspector.model.notes import Note, Observation
 
+NormalsBy = Literal["open3d", "numpy", "file"]
+"""Who made the normals: Open3D, numpy and SciPy where it cannot be loaded, or whoever wrote the file."""
 FLOOR_LABEL = 0
 """Label of a point of the floor; steps are 1, 2, ... from bottom to top."""
 
@@ -18,9 +20,14 @@ NON_STAIR_LABEL = -1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Normals:
-    """Unit normals ``vectors`` (n, 3) of a scan's points, scan axes; sign free, but where stations are known."""
+    """Unit normals ``vectors`` (n, 3) of a scan's points, scan axes; sign free, but where stations are known.
+
+    ``by`` says who made them, ``notes`` what is to be known of that.
+    """
 
     vectors: Floats
+    by: NormalsBy = "file"
+    notes: tuple[Note, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from stair_inspector.geometry.arrays import Floats, Ints, Labels
 from stair_inspector.geometry.fits import PlaneFit
-from stair_inspector.model.heights import HeightProfile, Level, Up
+from stair_inspector.model.heights import HeightProfile, Level, NormalsBy, Up
 from stair_inspector.model.notes import Note, Observation
 from stair_inspector.model.paper import Axes
 from stair_inspector.model.scan import Moved
@@ -34,7 +34,7 @@ class Inspection:
     ``flights``, ``patches`` and ``patch_ids`` (n_used,), the patch of every point or -1, are the survey's and empty
     with the paper's method. ``paper_corners`` holds the corners (4, 3) of every level above the floor, by its number
     less one, as the paper places them: local. ``examination`` is what was found about the scan before it was measured;
-    ``moved`` says which points were laid onto the others before that.
+    ``moved`` says which points were laid onto the others before that. ``normals_by`` says who made the normals.
     """
 
     scan: ScanSummary
@@ -55,6 +55,7 @@ class Inspection:
     examination: tuple[Observation, ...] = ()
     paper_corners: tuple[Floats, ...] = ()
     moved: Moved | None = None
+    normals_by: NormalsBy = "open3d"
 
     def places(self, points: Floats, rows: Ints) -> Floats:
         """Return where points (m, 3), which stand in these rows of the scan, lay when they were measured: local."""

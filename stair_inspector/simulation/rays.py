@@ -1,28 +1,55 @@
 """What does each ray hit, exactly? Rays near the edge of a triangle are decided in double precision."""
 
+from typing import Any, Protocol
+
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints, Point
-from stair_inspector.geometry.open3d import load_open3d
+from stair_inspector.geometry.open3d import find_open3d
 from stair_inspector.model import NON_STAIR_LABEL
+from stair_inspector.simulation.ray_tiles import TiledRays
 from stair_inspector.simulation.shapes import Building
 
 MISS = -1
 _AROUND = tuple((row, column) for row in (-1, 0, 1) for column in (-1, 0, 1) if (row, column) != (0, 0))
 
 
+class FirstHits(Protocol):
+    """Finds the triangle that each ray of a grid hits first; near an edge it may be the neighbour."""
+
+    def first_hits(self, origin: Point, directions: Floats) -> Ints:
+        """Return it (rows, columns) for unit vectors (rows, columns, 3), :data:`MISS` for none."""
+
+
+class SceneRays:
+    """Open3D's rays, in single precision."""
+
+    def __init__(self, open3d: Any, vertices: Floats, faces: Ints) -> None:
+        self._as_tensor = open3d.core.Tensor
+        self._n_faces = len(faces)
+        self._scene = open3d.t.geometry.RaycastingScene()
+        self._scene.add_triangles(
+            self._as_tensor(vertices.astype(np.float32)), self._as_tensor(faces.astype(np.uint32))
+        )
+
+    def first_hits(self, origin: Point, directions: Floats) -> Ints:
+        """Return the triangle (rows, columns) that each ray hits first, :data:`MISS` for none."""
+        rays = np.zeros((*directions.shape[:2], 6), dtype=np.float32)
+        rays[..., :3] = origin
+        rays[..., 3:] = directions
+        hits: Ints = self._scene.cast_rays(self._as_tensor(rays))["primitive_ids"].numpy().astype(np.int64)
+        hits[hits >= self._n_faces] = MISS
+        return hits
+
+
 class RayCaster:
     """Finds what rays hit, exactly."""
 
     def __init__(self, building: Building) -> None:
-        o3d = load_open3d()
         vertices = np.asarray(building.mesh.vertices, dtype=np.float64)
         faces = np.asarray(building.mesh.faces, dtype=np.int64)
-        self._scene = o3d.t.geometry.RaycastingScene()
-        self._scene.add_triangles(
-            o3d.core.Tensor(vertices.astype(np.float32)), o3d.core.Tensor(faces.astype(np.uint32))
-        )
-        self._as_tensor = o3d.core.Tensor
+        open3d = find_open3d()
+        self._rays: FirstHits = TiledRays(vertices[faces]) if open3d is None else SceneRays(open3d, vertices, faces)
         self.corner = vertices[faces[:, 0]]
         self.side_a = vertices[faces[:, 1]] - self.corner
         self.side_b = vertices[faces[:, 2]] - self.corner
@@ -53,13 +80,7 @@ class RayCaster:
         directions : (rows, columns, 3)
             Unit vectors of the grid.
         """
-        rows, columns = directions.shape[:2]
-        rays = np.zeros((rows, columns, 6), dtype=np.float32)
-        rays[..., :3] = origin
-        rays[..., 3:] = directions
-        hits = self._scene.cast_rays(self._as_tensor(rays))["primitive_ids"].numpy().astype(np.int64)
-        hits[hits >= len(self.normal)] = MISS
-        return self._decided(origin, directions, hits)
+        return self._decided(origin, directions, self._rays.first_hits(origin, directions))
 
     def _decided(self, origin: Point, directions: Floats, hits: Ints) -> Ints:
         """Decide again, in double precision, the rays whose neighbours hit something else."""

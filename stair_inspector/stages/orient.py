@@ -1,6 +1,7 @@
 """Which way is up, how is every point's surface turned, and how high is it?"""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from stair_inspector.errors import CannotMeasure, ConfigError, DegenerateGeometr
 from stair_inspector.geometry.arrays import Floats, freeze, own, project
 from stair_inspector.geometry.fits import PlaneFit, spread_rank
 from stair_inspector.geometry.normals import estimate_normals
+from stair_inspector.geometry.open3d import why_without
 from stair_inspector.model import HeightOrder, Normals, Note, Observation, Scan, Up
 from stair_inspector.overrules import parse_region, parse_up
 from stair_inspector.params import FloorParams, Method, NormalsParams
@@ -73,7 +75,15 @@ def find_normals(scan: Scan, params: NormalsParams) -> Normals:
         return Normals(scan.normals)
     vectors = estimate_normals(scan.points, params.k)
     _turn_to_stations(vectors, scan)
-    return Normals(freeze(vectors))
+    notes = without_open3d("normals and floor are", "normals")
+    return Normals(freeze(vectors), "numpy" if notes else "open3d", notes)
+
+
+def without_open3d(what: str, stage: str) -> tuple[Note, ...]:
+    """Return the note that says that something was made without Open3D; nothing where it can be loaded."""
+    reason = why_without()
+    message = f"{what} made by numpy and SciPy, not by Open3D: {reason}; a value differs by less than a third of its U"
+    return (Note("without_open3d", stage, message),) if reason else ()
 
 
 def _turn_to_stations(vectors: Floats, scan: Scan) -> None:
@@ -130,6 +140,13 @@ def find_up(
     given = parse_up(up)
     if given is not None:
         return Up(own(given, (3,), "up"), "given")
+    found = _up_of_floor(scan, normals, params, method, max_rise_m)
+    # Where the normals were made without it too, that is already said.
+    notes = without_open3d("the floor is", "orient") if normals.by == "file" else ()
+    return replace(found, notes=(*notes, *found.notes)) if notes else found
+
+
+def _up_of_floor(scan: Scan, normals: Normals, params: FloorParams, method: Method, max_rise_m: float) -> Up:
     try:
         wanted = 1 if method == "paper" else _MAX_FLOOR_CANDIDATES
         # Candidates can be found and compared among fewer points; the one that is chosen is fitted to all.

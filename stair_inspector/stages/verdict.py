@@ -19,6 +19,7 @@ from stair_inspector.model import (
     Inspection,
     Level,
     Levels,
+    Normals,
     Note,
     Patch,
     Patches,
@@ -45,6 +46,7 @@ def conclude(
     scan: Scan,
     params: Params,
     examined: Examination,
+    normals: Normals,
     up: Up,
     axes: Axes | None,
     horizontal: Horizontal,
@@ -60,7 +62,7 @@ def conclude(
     """
     planes = surfaces.planes
     found = _levels_of(scan, up, horizontal, levels, surfaces)
-    notes = [*scan.notes, *up.notes, *(axes.notes if axes is not None else ()), *review_steps(steps)]
+    notes = [*scan.notes, *normals.notes, *up.notes, *(axes.notes if axes is not None else ()), *review_steps(steps)]
     reason = why_no_staircase(surfaces, found, up)
     if reason is not None:
         notes.append(Note("no_staircase", "verdict", f"no staircase found: {reason}"))
@@ -81,6 +83,7 @@ def conclude(
         examination=(*examined.observations, *up.observations),
         paper_corners=tuple(step.corners for step in steps),
         moved=examined.moved,
+        normals_by=normals.by,
     )
 
 
@@ -121,7 +124,7 @@ def conclude_survey(
     patch_ids = np.full(horizontal.n_scan, -1, dtype=np.int64)
     patch_ids[horizontal.point_ids] = patch_of_row
     labels = label_of[patch_ids]
-    notes = [*scan.notes, *paper.up.notes]
+    notes = [*scan.notes, *(note for note in paper.notes if note.stage == "normals"), *paper.up.notes]
     if survey.steps:
         notes += [
             *(paper.axes.notes if paper.axes is not None else ()),

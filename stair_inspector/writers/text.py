@@ -10,6 +10,7 @@ from stair_inspector.codes.rule_sets import OWN_FILE, RuleSet
 from stair_inspector.codes.rules import GRADES, Rule
 from stair_inspector.content.document import Column, Table, table_of
 from stair_inspector.content.examination import examination_lines
+from stair_inspector.content.tables import MADE_BY
 from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.model import Inspection
 from stair_inspector.quantities import IN_TABLE, PAPER_QUANTITIES, QUANTITIES, SHOWN_OF_PAPER, with_above
@@ -31,7 +32,8 @@ def inspection_text(inspection: Inspection) -> str:
     """
     scan = inspection.scan
     steps = f"{len(inspection.steps)} step{'' if len(inspection.steps) == 1 else 's'}"
-    lines = [f"{scan.name}: {scan.n_used:,} of {scan.n_points:,} points, {steps}"]
+    normals = f", normals by {MADE_BY[inspection.normals_by]}" if inspection.params.method == "paper" else ""
+    lines = [f"{scan.name}: {scan.n_used:,} of {scan.n_points:,} points, {steps}{normals}"]
     if inspection.steps:
         lines += _survey_rows(inspection) if inspection.flights else _paper_rows(inspection)
     lines += [f"  {note.message}" for note in inspection.notes]

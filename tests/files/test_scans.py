@@ -20,10 +20,10 @@ from stair_inspector.files.cleaning import first_occurrences
 from stair_inspector.files.lzf import lzf_decompress
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import SUFFIXES, find_scans, read_scan
-from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import Scan
 from stair_inspector.params import ScanUnit
 from stair_inspector.units import METRES_PER_UNIT
+from tests.oracles import open3d_or_skip
 
 REAL = Path(__file__).parents[2].parent / "shared" / "scans"
 
@@ -224,7 +224,7 @@ def test_ply_oracle_open3d_and_trimesh(tmp_path: Path, form: str, kind: str) -> 
     props = f"{kind} x,{kind} y,{kind} z,uchar red,uchar green,uchar blue"
     scan = read(tmp_path, "a.ply", ply_file(form, props, rows))
     with quiet():
-        cloud = load_open3d().io.read_point_cloud(str(tmp_path / "a.ply"), remove_nan_points=False)
+        cloud = open3d_or_skip().io.read_point_cloud(str(tmp_path / "a.ply"), remove_nan_points=False)
         other = trimesh.load(io.BytesIO((tmp_path / "a.ply").read_bytes()), file_type="ply")
     assert np.array_equal(scan.points, np.asarray(cloud.points))
     assert scan.colors is not None
@@ -319,7 +319,7 @@ def test_pcd_organised_and_old_headers(tmp_path: Path) -> None:
 def test_pcd_oracle_open3d(tmp_path: Path, options: dict[str, bool]) -> None:
     # A grid, so that the compressor finds something to refer back to.
     grid = np.stack(np.meshgrid(*[np.arange(12) / 8.0] * 3), axis=-1).reshape(-1, 3)
-    o3d = load_open3d()
+    o3d = open3d_or_skip()
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(grid))
     cloud.colors = o3d.utility.Vector3dVector(np.tile([[0.2, 0.4, 1.0], [1.0, 0.0, 0.6]], (len(grid) // 2, 1)))
     cloud.normals = o3d.utility.Vector3dVector(np.tile([[0.0, 0.0, 1.0]], (len(grid), 1)))
@@ -612,7 +612,7 @@ def test_real_captures(name: str, n_points: int, n_used: int, noted: list[str]) 
     assert (scan.n_points, len(scan.points), scan.unit) == (n_points, n_used, "m")
     assert codes(scan) == noted
     if name.endswith(".pcd"):
-        cloud = load_open3d().io.read_point_cloud(str(REAL / name), remove_nan_points=False)
+        cloud = open3d_or_skip().io.read_point_cloud(str(REAL / name), remove_nan_points=False)
         _, first = np.unique(np.asarray(cloud.points), axis=0, return_index=True)
         kept = np.sort(first)
         kept = kept[np.asarray(cloud.points)[kept].any(axis=1)]

@@ -15,6 +15,7 @@ from stair_inspector.simulation.scanner_specs import Scanner
 from stair_inspector.simulation.scenes import SCENES
 from stair_inspector.simulation.specs import Stair
 from stair_inspector.simulation.staircase import build
+from tests.oracles import needs_open3d
 
 COARSE = Scanner(azimuth_step_deg=1.0, elevation_step_deg=1.0)
 QUICK_SAMPLE = "handheld_noisy"
@@ -29,6 +30,7 @@ def read_ply(path):
     return rows["xyz"].astype(np.float64), rows["rgb"]
 
 
+@needs_open3d
 def test_a_sample_is_recreated_bit_for_bit(tmp_path):
     written = write_simulation(
         tmp_path / f"{QUICK_SAMPLE}.ply", scan(build(SAMPLES[QUICK_SAMPLE][0]), SAMPLES[QUICK_SAMPLE][1])
@@ -39,6 +41,7 @@ def test_a_sample_is_recreated_bit_for_bit(tmp_path):
 
 
 @pytest.mark.slow
+@needs_open3d
 def test_all_samples_are_recreated_bit_for_bit(tmp_path):
     written = write_samples(tmp_path)
     assert {path.name for path in written} == {path.name for path in sample_scans().iterdir()}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.geometry.normals import estimate_normals, morton_order
-from stair_inspector.geometry.open3d import load_open3d
+from tests.oracles import open3d_or_skip
 from tests.synthetic import Stair
 
 
@@ -44,7 +44,7 @@ def test_morton_order_of_equal_points_keeps_their_order():
 def test_normals_are_identical_to_the_plain_open3d_call(k):
     points, _ = Stair(risers=True, noise=0.002, spacing=0.015).sample()
     points = points[np.random.default_rng(7).permutation(len(points))]
-    o3d = load_open3d()
+    o3d = open3d_or_skip()
     cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
     cloud.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(k))
     np.testing.assert_array_equal(estimate_normals(points, k), np.asarray(cloud.normals))

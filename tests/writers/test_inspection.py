@@ -16,7 +16,6 @@ from stair_inspector import __version__
 from stair_inspector.errors import WriteError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.files.paths import static_configs
-from stair_inspector.geometry.open3d import load_open3d
 from stair_inspector.model import Flight, Inspection, Measured, Patch, Statistics
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.pipeline import inspect
@@ -25,6 +24,7 @@ from stair_inspector.writers.csv import CSV_COLUMNS, csv_bytes
 from stair_inspector.writers.debug_ply import debug_ply_bytes
 from stair_inspector.writers.inspection import write_inspection
 from stair_inspector.writers.json import json_bytes
+from tests.oracles import open3d_or_skip
 from tests.synthetic import Stair, exact_params, make_scan
 
 NOISY = Stair(noise=0.002, seed=31)
@@ -552,7 +552,7 @@ def read_with_trimesh(path):
 
 
 def read_with_open3d(path):
-    cloud = load_open3d().io.read_point_cloud(str(path))
+    cloud = open3d_or_skip().io.read_point_cloud(str(path))
     return np.asarray(cloud.points), np.rint(np.asarray(cloud.colors) * 255).astype(np.uint8)
 
 

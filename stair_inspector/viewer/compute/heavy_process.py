@@ -1,6 +1,5 @@
 """A process of its own for what would stop every page."""
 
-import contextlib
 import dataclasses
 import multiprocessing
 import signal
@@ -12,7 +11,7 @@ from typing import TypeVar, cast
 import numpy as np
 
 from stair_inspector.errors import CannotMeasure, StairError
-from stair_inspector.geometry.open3d import load_open3d
+from stair_inspector.geometry.open3d import find_open3d
 
 T = TypeVar("T")
 _Order = tuple[Callable[..., object], tuple[object, ...]]
@@ -118,9 +117,8 @@ def _serve(pipe: "Connection[_Answer, _Order]") -> None:
     """Run what arrives until the server closes its end; the body of the heavy process."""
     # Ctrl+C in a terminal reaches this process too; the server decides when it ends.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # Loaded while the first page is still being sent; a missing library is reported by the first call that needs it.
-    with contextlib.suppress(StairError):
-        load_open3d()
+    # Loaded while the first page is still being sent; a note says it where it cannot be.
+    find_open3d()
     while True:
         try:
             function, inputs = pipe.recv()

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from stair_inspector.content.remarks import needs_look, on_page
+from stair_inspector.content.tables import MADE_BY
 from stair_inspector.model import Inspection, Up
 from stair_inspector.params import Params
 from stair_inspector.units import tidy
@@ -52,7 +53,9 @@ def used_text(inspection: Inspection) -> str:
         f"m {params.levels.min_points}",
         f"α {params.edges.front_percentile:g}/{params.edges.back_percentile:g} %",
         f"sides {params.edges.side_percentile:g} %",
-        f"k {params.normals.k}" if params.normals.source == "estimate" else "normals given",
+        f"k {params.normals.k} ({MADE_BY[inspection.normals_by]})"
+        if params.normals.source == "estimate"
+        else "normals given",
         f"axes {params.axes.rule} → {axes}" if params.axes.rule != axes else f"axes {axes}",
         f"up ({vector}) {up.source}",
         f"unit {inspection.scan.unit}",
