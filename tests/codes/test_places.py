@@ -127,3 +127,66 @@ def test_flights_with_a_missing_rise_leave_the_spread_of_the_others_alone():
     steps, flights = two_flights(lower, 4)
     found = judged(inspection_of(steps, flights), RANGE).findings
     assert [(each.flight, each.verdict) for each in found] == [(1, Verdict.NOT_MEASURED), (2, Verdict.WITHIN)]
+
+
+COUNT = rule("count", quantity="n_risers", statistic="flight", minimum=None, maximum=Limit.of("18", "count"))
+HEIGHT = rule("height", quantity="flight_rise", statistic="flight", minimum=None, maximum=Limit.of("2", "m"))
+PITCH = rule("pitch", quantity="pitch", statistic="flight", minimum=None, maximum=Limit.of("42", "deg"))
+
+
+def of_flight(steps, flights=None, notes=()):
+    """What is said of the number of risers of a flight, and of its height."""
+    result = judged(inspection_of(steps, flights, notes), COUNT, HEIGHT)
+    return [(found.value, found.verdict, found.reason) for found in result.findings]
+
+
+def test_a_flight_of_which_more_was_seen_than_measured_is_neither_few_risers_nor_low():
+    goes_on = "about 4 more are seen below"
+    flights = [dataclasses.replace(flight_of(even(6)), goes_on=goes_on)]
+    for _, verdict, reason in of_flight(even(6), flights):
+        assert verdict is Verdict.NOT_MEASURED
+        assert f"the flight goes on: {goes_on}" in reason
+    unseen = ("rise_unobserved", "step 1 has no rise: no floor was seen", 1)
+    for _, verdict, reason in of_flight(changed(even(6), 1, rise_m=None), notes=[unseen]):
+        assert (verdict, unseen[1] in reason) == (Verdict.NOT_MEASURED, True)
+    for _, verdict, reason in of_flight([step(k) for k in range(1, 5)]):
+        assert (verdict, "there may be risers above step 4" in reason) == (Verdict.NOT_MEASURED, True)
+
+
+def test_a_riser_within_a_flight_that_was_not_measured_is_counted_but_adds_no_height():
+    count, height = of_flight(changed(even(6), 3, rise_m=None))
+    assert count == (6.0, Verdict.WITHIN, "")
+    assert height[1] is Verdict.NOT_MEASURED
+    assert "a rise within the flight was not measured" in height[2]
+    # The second rise is within the flight, the first one below its first nosing.
+    assert of_flight(changed(even(6), 2, rise_m=None))[1][1] is Verdict.NOT_MEASURED
+    whole = of_flight(even(6))
+    assert [(verdict, reason) for _, verdict, reason in whole] == [(Verdict.WITHIN, "")] * 2
+    assert [value for value, _, _ in whole] == pytest.approx([6.0, 0.99])
+    nothing = [dataclasses.replace(each, rise_m=None) for each in even(3)]
+    assert of_flight(nothing)[1][:2] == (None, Verdict.NOT_MEASURED)
+
+
+def test_a_count_is_exact():
+    (found,) = judged(inspection_of(even(6)), COUNT).findings
+    assert (found.value, found.u) == (6.0, 0.0)
+
+
+def test_why_a_flight_has_no_pitch():
+    steps = even(4)
+    without = [dataclasses.replace(flight_of(steps), pitch_deg=None)]
+    (found,) = judged(inspection_of(steps, without), PITCH).findings
+    assert found.reason == "a nosing is missing or the flight has a single step: it has no line"
+    broken = [flight_of(steps, pitch=measured(float("nan"), 0.1))]
+    (found,) = judged(inspection_of(steps, broken), PITCH).findings
+    assert found.reason == "its value or its uncertainty is no finite number"
+    (found,) = judged(inspection_of(steps), PITCH).findings
+    assert (found.verdict, found.reason) == (Verdict.WITHIN, "")
+
+
+def test_an_upper_end_that_was_not_seen_leaves_the_range_of_rises_open_and_that_of_goings_not():
+    treads = [step(k) for k in range(1, 5)]
+    rises, goings = (judged(inspection_of(treads), each).findings[0] for each in (RANGE, GOING_RANGE))
+    assert rises.verdict is Verdict.NOT_MEASURED
+    assert "there may be risers above step 4" in rises.reason
+    assert (goings.verdict, goings.reason) == (Verdict.WITHIN, "")
