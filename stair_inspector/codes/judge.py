@@ -33,6 +33,8 @@ _TELLING_NOTES = (
     "runner",
     "two_levels",
     "flights_may_be_two",
+    "flights_may_be_one",
+    "strip_unseen",
 )
 """Codes of the notes on the whole scan that a reader of a check must know."""
 _LAST_RISER = "the riser up to a landing has no going above it: it is in no sum of twice the rise and the going"

@@ -24,6 +24,7 @@ from stair_inspector.stages.foot import without_floor_strips
 from stair_inspector.stages.links import depth_along
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.runners import bare_treads
+from stair_inspector.stages.split_flights import with_unseen_strips
 from stair_inspector.stages.thick_runners import with_bare_sides
 
 _ROUNDS = 3
@@ -77,6 +78,10 @@ def find_flights(
         patches = better
         chains = find_chains(patches, params, least_area_m2, forced)
     chains = without_floor_strips(heights, patches, chains, forced)
+    patches, strips = with_unseen_strips(heights, horizontal, patches, chains, forced)
+    if strips:
+        chains = without_floor_strips(heights, patches, find_chains(patches, params, least_area_m2, forced), forced)
+        chains = dataclasses.replace(chains, notes=(*chains.notes, *strips))
     doubts = [note for chain in chains.chains for note in _note_of_bars(horizontal, patches, chain)]
     chains = dataclasses.replace(chains, notes=(*chains.notes, *doubts)) if doubts else chains
     return bare_treads(horizontal, _with_common_bounds(patches, chains), chains)

@@ -355,6 +355,11 @@ def without_disc(place: tuple[float, float, float], radius_m: float) -> Callable
     return spoil
 
 
+def without_strip(points: np.ndarray, low: float, high: float) -> np.ndarray:
+    """No points in a strip along the climb, of the floor and landing neither."""
+    return points[(points[:, 1] < low) | (points[:, 1] > high)]
+
+
 def curved(seed: int) -> Iterator[Variant]:
     """Stairs on an arc, left and right."""
     stair = buildings.Plain(n_risers=9)
@@ -379,7 +384,7 @@ def of_bars(seed: int) -> Iterator[Variant]:
 
 
 def stood_on(seed: int) -> Iterator[Variant]:
-    """A person or boxes on the treads, things on the landing, a tripod's hole, a runner of carpet."""
+    """A person or boxes on the treads, things on the landing, a tripod's hole, a strip unseen, a runner of carpet."""
     stair = buildings.Plain()
     person, box = buildings.Thing(3, 0.05, 0.45, 0.27, 1.75), buildings.Thing(5, -0.2, 0.35, 0.25, 0.3)
     for name, things in (("a person", (person,)), ("a box", (box,)), ("both", (person, box))):
@@ -397,6 +402,12 @@ def stood_on(seed: int) -> Iterator[Variant]:
         spoil = without_disc(((step - 1) * stair.going_m + behind_m, 0.1, step * stair.rise_m), radius_m)
         name = f"a hole of {radius_m:g} m on step {step}, seed {seed}"
         yield _built(name, stair, buildings.stood_on(stair, ()), seed, yaw(25.0 * seed), spoil)
+    for low, high in ((-0.05, 0.05), (0.1, 0.25)):
+        name = f"a strip of {high - low:g} m unseen, {low:g} m aside, seed {seed}"
+        built = buildings.stood_on(stair, ())
+        yield _built(name, stair, built, seed, yaw(25.0 * seed), functools.partial(without_strip, low=low, high=high))
+    built = buildings.beside(buildings.stood_on(stair, ()), 0.1, stair.width_m)
+    yield _built(f"two flights 0.1 m apart, seed {seed}", stair, built, seed, yaw(25.0 * seed))
     runners = (0.006, 0.7, 0.0), (0.009, 0.9, 0.0), (0.012, 0.7, 0.0), (0.009, 0.5, 0.3), (0.018, 0.7, 0.0)
     for thick_m, width_m, aside_m in (*runners, (0.025, 0.8, 0.0), (0.018, 0.95, 0.0)):
         built = buildings.with_runner(stair, thick_m, width_m, aside_m)
