@@ -288,6 +288,23 @@ def test_a_library_that_runs_on_is_ended(monkeypatch, two):
     assert time.monotonic() - began < 20.0
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits the memory of a process")
+@pytest.mark.parametrize(
+    ("trick", "words"),
+    [
+        ("child._SPARE_BYTES = 2**26; child._File = lambda *_: list(iter(int, 1))", "takes more memory than an E57 of"),
+        ("child._File = lambda *_: max(iter(int, 1))", "the library that reads E57 broke off over it"),
+    ],
+)
+def test_a_file_that_fills_the_memory_or_takes_long_is_a_sentence(monkeypatch, two, trick, words):
+    code = f"from stair_inspector.files import e57_child as child; {trick}; child.main()"
+    monkeypatch.setattr(e57_process, "COMMAND", [sys.executable, "-c", code])
+    began = time.monotonic()
+    with E57Process() as own, pytest.raises(ReadError, match=words):
+        own.open(two)
+    assert time.monotonic() - began < 60.0
+
+
 def test_no_copy_and_no_process_is_left(tmp_path, monkeypatch, two):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     with E57Process() as own:
