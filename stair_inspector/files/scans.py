@@ -6,6 +6,7 @@ everything that is wrong with a file becomes one sentence.
 
 import hashlib
 import importlib
+import os
 import stat
 from collections.abc import Sequence
 from pathlib import Path
@@ -119,7 +120,7 @@ def _is_result(path: Path) -> bool:
         return False
 
 
-def read_scan(path: Path, unit: ScanUnit = "auto", station: str = "", columns: str = "auto") -> Scan:
+def read_scan(path: str | os.PathLike[str], unit: ScanUnit = "auto", station: str = "", columns: str = "auto") -> Scan:
     """Read a scan, whatever its format, into metres near zero.
 
     Parameters
