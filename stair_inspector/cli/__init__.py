@@ -15,7 +15,7 @@ from stair_inspector import __version__
 from stair_inspector.cli.output import internal_words, report_error
 from stair_inspector.errors import CannotMeasure, ConfigError, StairError
 
-COMMANDS = ("view", "measure", "check", "rules", "simulate", "presets", "quantities")
+COMMANDS = ("view", "measure", "check", "rules", "simulate", "presets", "quantities", "completion")
 
 _USAGE = """\
 usage: stair-inspector [COMMAND] [OPTIONS]
@@ -32,6 +32,7 @@ commands:
   simulate OUT.ply          a scan of a known staircase by a simulated scanner, and OUT.truth.json
   presets                   list the presets
   quantities                list what is measured: names, units, definitions, terms of building codes
+  completion                print what bash needs to complete all this
 
   stair-inspector COMMAND --help lists a command's options; --version prints the version.
 
