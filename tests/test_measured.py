@@ -1,15 +1,25 @@
 """Sums, differences and spreads with their uncertainties, against simulated errors and known tables."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 from scipy.stats import studentized_range
 
-from stair_inspector.measured import difference, spread, spread_quantile, total
+from stair_inspector.measured import (
+    combined,
+    diagonal_of,
+    difference,
+    run_of_flight,
+    spread,
+    spread_quantile,
+    steepest_slope_of,
+    total,
+)
 from stair_inspector.model import Measured
 from stair_inspector.quantities import step_value
-from tests.codes.flights import measured, step
+from tests.codes.flights import flight_of, measured, step
 
 SIGMA = 0.001
 RUNS = 4000
@@ -187,3 +197,63 @@ def test_what_one_level_has_for_itself_is_no_error_of_the_whole_scan(name):
     # Of the level between them each has the same error, with the other sign.
     assert dict(difference(other, one, share_a_nosing=True).parts)[name] == pytest.approx(0.004)
     assert dict(total([one] * 9).parts) == pytest.approx({name: 0.002})
+
+
+# --- worked out by hand --------------------------------------------------------------------------------------------
+
+
+def made(value, **parts):
+    return combined(value, parts)
+
+
+def test_the_spread_of_three_rises_may_lie_between_neighbours():
+    """1 mm between the first and the last, each known to 1 mm; 0.5 mm between neighbours, which share a nosing."""
+    rises = [made(value, noise=0.001) for value in (0.170, 0.1705, 0.171)]
+    found, u_down, places = spread(rises, are_chained=True)
+    assert (found.value, places) == (pytest.approx(0.001), (0, 2))
+    # 1 + sqrt(2) mm at the ends; 0.5 + 2 mm between neighbours is more.
+    assert found.value + found.u == pytest.approx(0.0025)
+    # Tables of the studentized range have 3.314 for three values.
+    assert u_down == pytest.approx(0.001 * math.sqrt(2.0) * 3.314 / (2.0 * math.sqrt(2.0)), rel=1e-3)
+    apart, _, _ = spread(rises, are_chained=False)
+    assert apart.u == pytest.approx(0.001 * math.sqrt(2.0))
+
+
+def test_the_spread_of_two_neighbours_is_their_difference():
+    found, u_down, _ = spread([made(0.170, noise=0.001), made(0.172, noise=0.001, up=0.003)], are_chained=True)
+    # A shared nosing that is wrong by 1 mm counts twice; the tilt is in one of them alone.
+    assert found.u == pytest.approx(math.hypot(0.002, 0.003))
+    # For two values the table has 2.77, less than 2 sqrt(2): nothing is widened.
+    assert u_down == pytest.approx(math.hypot(0.002, 0.003))
+
+
+def test_the_way_from_nosing_to_nosing_does_not_feel_a_tilt():
+    lower = step(1, going=made(0.28, noise=0.002, scale=0.0028, up=0.21 * 0.01))
+    upper = step(2, rise=made(0.21, noise=0.001, scale=0.0021, up=0.28 * 0.01))
+    found = diagonal_of(lower, upper)
+    # Sides 3, 4 and 5 times 70 mm: shares 0.8 of the going, 0.6 of the rise.
+    assert found.value == pytest.approx(0.35)
+    parts = dict(found.parts)
+    assert parts["noise"] == pytest.approx(math.hypot(0.8 * 0.002, 0.6 * 0.001))
+    assert parts["scale"] == pytest.approx(0.0035)
+    assert parts.get("up", 0.0) == pytest.approx(0.0, abs=1e-12)
+    assert diagonal_of(lower, None) is None
+    assert diagonal_of(lower, dataclasses.replace(upper, flight=2)) is None
+    assert diagonal_of(dataclasses.replace(lower, going_m=None), upper) is None
+    assert diagonal_of(lower, dataclasses.replace(upper, rise_m=None)) is None
+
+
+def test_the_run_of_a_flight_ends_at_its_last_nosing():
+    steps = [step(1, going=0.28), step(2, going=0.30), step(3, going=1.2)]
+    flight = flight_of(steps)
+    assert run_of_flight(flight, steps).value == pytest.approx(0.58)
+    assert run_of_flight(flight, [steps[0], step(2, going=None), steps[2]]) is None
+    assert run_of_flight(flight, steps[:1]) is None
+
+
+@pytest.mark.parametrize("angles_deg", [(0.1, 0.2), (0.2, 0.1)])
+def test_a_level_tread_may_slope_any_way_within_a_circle(angles_deg):
+    fall, cross_fall = (made(0.0, noise=angle) for angle in angles_deg)
+    found = steepest_slope_of(step(1, fall=fall, cross_fall=cross_fall), None)
+    # Of two normal errors of one deviation 95 % lie within 2.4477 of it; u is two of it.
+    assert found.u == pytest.approx(math.radians(0.2) * 2.4477 / 2.0, rel=1e-4)
