@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from stair_inspector.errors import ReadError
 from stair_inspector.files.number_lines import NumberLines
 from stair_inspector.files.raw_cloud import RED_GREEN_BLUE, as_whole, excerpt
+from stair_inspector.files.raw_stations import MOST_STATIONS
 from stair_inspector.geometry.arrays import Floats
 
 _BOM = b"\xef\xbb\xbf"
 _LONGEST_COUNT = 18
+_MOST_NUMBERS = 4 * MOST_STATIONS
 _FIRST_BYTES = 65_536
 _REMARK = (b"#", b"//")
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
@@ -40,7 +42,7 @@ def begins_with_number(data: bytes) -> bool:
 
 
 def lone_numbers(data: bytes) -> list[LoneNumber]:
-    """Return the lines that hold one whole number and nothing else.
+    """Return the lines that hold one whole number and nothing else; of very many only the first.
 
     Only lines too short for a point and its neighbours are looked at one by one.
     """
@@ -51,6 +53,8 @@ def lone_numbers(data: bytes) -> list[LoneNumber]:
         line = data[starts[k] : ends[k]].strip()
         if line.isdigit():
             found.append(LoneNumber(int(line), int(starts[k]), int(ends[k]), k))
+            if len(found) > _MOST_NUMBERS:
+                break
     return found
 
 

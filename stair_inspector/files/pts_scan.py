@@ -27,7 +27,7 @@ def read_pts(data: bytes, station: str = "") -> RawCloud:
     """
     heads = lone_numbers(data)
     if len(heads) > MOST_STATIONS:
-        raise ReadError(f"holds {len(heads)} counts, read are at most {MOST_STATIONS} stations; export the scan again")
+        raise ReadError(f"holds more than {MOST_STATIONS} counts of points, one for each station; export fewer of them")
     names = [f"scan {k + 1}" for k in range(len(heads))]
     chosen = [find_station(names, station)] if station else list(range(len(heads)))
     ends = [*(head.start for head in heads[1:]), len(data)]

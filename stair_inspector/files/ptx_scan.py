@@ -84,8 +84,9 @@ def read_ptx(data: bytes, station: str = "") -> RawCloud:
 def _heads(data: bytes) -> list[tuple[LoneNumber, LoneNumber]]:
     """Return the two lines with which each station begins."""
     numbers = lone_numbers(data)
-    heads, k = [], 0
-    while k + 1 < len(numbers):
+    heads: list[tuple[LoneNumber, LoneNumber]] = []
+    k = 0
+    while k + 1 < len(numbers) and len(heads) <= MOST_STATIONS:
         if data[numbers[k].end : numbers[k + 1].start].strip():
             raise ReadError(
                 f"line {numbers[k].n_before + 1} ('{numbers[k].value}') is neither a point nor the head of a PTX "
@@ -93,10 +94,10 @@ def _heads(data: bytes) -> list[tuple[LoneNumber, LoneNumber]]:
             )
         heads.append((numbers[k], numbers[k + 1]))
         k += 2
+    if len(heads) > MOST_STATIONS:
+        raise ReadError(f"holds more than {MOST_STATIONS} stations; export fewer of them")
     if k < len(numbers):
         raise ReadError(f"line {numbers[k].n_before + 1} begins a PTX station that ends there; export the scan again")
-    if len(heads) > MOST_STATIONS:
-        raise ReadError(f"holds {len(heads)} stations, read are at most {MOST_STATIONS}; export fewer of them")
     return heads
 
 

@@ -151,8 +151,8 @@ BAD = {
     "zero.pts": (f"12\n{lines(FIRST)}0\n{lines(SECOND)}", "line 14 states 0 points but 8 follow"),
     "word.pts": (f"12\n{lines(FIRST)}8\n{lines(SECOND)}".replace(".", "p", 30), "line 2 holds"),
     "columns.pts": (f"12\n{lines(FIRST)}8\n{lines(SECOND, ' 1')}", "its stations have 3 and 4 columns"),
-    "many.pts": ("1\n1 2 3\n" * 1200, "holds 1200 counts, read are at most 1000"),
-    "many.ptx": ((PTX_HEAD + POINTS) * 1200, "holds 1200 stations, read are at most 1000"),
+    "many.pts": ("1\n1 2 3\n" * 1200, "holds more than 1000 counts"),
+    "many.ptx": ((PTX_HEAD + POINTS) * 1200, "holds more than 1000 stations"),
 }
 
 
