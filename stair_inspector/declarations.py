@@ -282,3 +282,33 @@ class Catalogue(Mapping[str, Field]):
     def tried(self) -> tuple[str, ...]:
         """Return the names of the settings whose notches are tried, as they are declared."""
         return tuple(name for name, each in self.items() if each.knob is not None and each.knob.is_tried)
+
+
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+"""Lowest and highest corner."""
+
+
+def parse_box(text: str, name: str, unit: str) -> Box | None:
+    """Return the box that six numbers name, xmin,ymin,zmin,xmax,ymax,zmax; None of a text without any.
+
+    Raises
+    ------
+    ConfigError
+        Not six finite numbers, or a side without length. It names the setting ``name`` and the ``unit`` that is meant.
+    """
+    if not text.strip():
+        return None
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if (
+        len(numbers) != 6
+        or not all(math.isfinite(number) for number in numbers)
+        or not all(low < high for low, high in zip(numbers[:3], numbers[3:], strict=True))
+    ):
+        raise ConfigError(
+            f"{name}: got {text[:80]!r}; give xmin,ymin,zmin,xmax,ymax,zmax in {unit}, each minimum below "
+            "its maximum, or nothing"
+        )
+    return (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
-from stair_inspector.declarations import Group, Setting
+from stair_inspector.declarations import Box, Group, Setting, parse_box
 from stair_inspector.errors import ConfigError, brief, is_one_line
 
 ForcedKind = Literal["tread", "landing", "rejected"]
@@ -194,7 +194,7 @@ def _escaped(reason: str) -> str:
     return re.sub(r"\\" if is_balanced else r"[\\()]", r"\\\g<0>", reason)
 
 
-def parse_region(text: str) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
+def parse_region(text: str) -> Box | None:
     """Return the lowest and highest corner of a region of interest, metres in the scan's frame; None for everything.
 
     Raises
@@ -202,22 +202,7 @@ def parse_region(text: str) -> tuple[tuple[float, float, float], tuple[float, fl
     ConfigError
         Not six finite numbers, or a side without length.
     """
-    if not text.strip():
-        return None
-    try:
-        numbers = [float(part) for part in text.split(",")]
-    except ValueError:
-        numbers = []
-    if (
-        len(numbers) != 6
-        or not all(math.isfinite(number) for number in numbers)
-        or not all(low < high for low, high in zip(numbers[:3], numbers[3:], strict=True))
-    ):
-        raise ConfigError(
-            f"overrules.region: got {text[:80]!r}; give xmin,ymin,zmin,xmax,ymax,zmax in metres, each minimum below "
-            "its maximum, or nothing"
-        )
-    return (numbers[0], numbers[1], numbers[2]), (numbers[3], numbers[4], numbers[5])
+    return parse_box(text, "overrules.region", "metres")
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from stair_inspector.declarations import (
     Setting,
     check_value,
     fields_of,
+    parse_box,
 )
 from stair_inspector.errors import ConfigError
 from stair_inspector.overrules import OverrulesParams, parse_up
@@ -240,6 +241,8 @@ class FileReading(NamedTuple):
     unit: ScanUnit = "auto"
     station: str = ""
     columns: str = "auto"
+    crop: str = ""
+    detail_m: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -267,21 +270,31 @@ class Params:
     station: Annotated[
         str,
         Setting("Station", place="scene").says(
-            "Name, or number from 1 on, of the one station of a scan that is measured; '' takes all together."
+            "Name, or number from 1 on, of the one station that is measured; '' takes all together."
         ),
     ] = ""
     columns: Annotated[
         str,
         Setting("Columns of the file", place="scan").says(
-            "What the columns of a scan in text are, as -,x,y,z,r,g,b; '-' skips one, others are intensity, nx, ny, "
-            "nz. 'auto' goes by the names in the file."
+            "Columns of a text, as -,x,y,z,r,g,b; '-' skips one, others are intensity, nx, ny, nz; 'auto' by names."
         ),
     ] = "auto"
+    crop: Annotated[
+        str,
+        Setting("Part of the file", place="scan").says(
+            "The box of the file that is read, xmin,ymin,zmin,xmax,ymax,zmax in its own coordinates; '' reads all."
+        ),
+    ] = ""
+    detail_m: Annotated[
+        float,
+        Knob("detail", 0.0, 1.0, 0.001, MM, place="more").says(
+            "Of a COPC only what points about so far apart need is read, {range}; 0 reads every point."
+        ),
+    ] = 0.0
     stations: Annotated[
         Stations,
         Setting("Stations", place="scan").says(
-            "Stations that do not lie over each other: 'auto' lays them onto each other where the file or the order "
-            "of its points tells them apart, 'as_read' leaves every point where it is (survey)."
+            "'auto' lays stations onto each other where file or order tells them, 'as_read' moves no point (survey)."
         ),
     ] = "auto"
     normals: NormalsParams = field(default_factory=NormalsParams)
@@ -302,6 +315,7 @@ class Params:
             check_value(name, getattr(self, name), declared.kind, declared.knob)
         parse_up(self.up)
         parse_columns(self.columns)
+        parse_box(self.crop, "crop", "the file's own coordinates")
 
     @property
     def reading(self) -> FileReading:

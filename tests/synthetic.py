@@ -143,6 +143,8 @@ CHANGES = {
     "levels.min_points": LevelsParams.min_points + 20,
     "axes.rule": "global",
     "station": "Hall",
+    "crop": "-9,-9,-9,9,9,9",
+    "detail_m": 0.01,
     "stations": "as_read",
     "edges.front_percentile": EdgesParams.front_percentile - 5.0,
     "edges.back_percentile": EdgesParams.back_percentile + 5.0,

@@ -5,14 +5,17 @@ kilobyte of which one size was damaged.
 """
 
 import struct
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
-from stair_inspector.files.laz import unpack_points
+from stair_inspector.files.copc import cells_of_part, is_copc
+from stair_inspector.files.file_part import WHOLE_FILE, FilePart
+from stair_inspector.files.laz import unpack_cells, unpack_points
 from stair_inspector.files.raw_cloud import (
     READ_STAGE,
     RED_GREEN_BLUE,
@@ -61,19 +64,21 @@ def is_las(data: bytes) -> bool:
     return data.startswith(b"LASF")
 
 
-def read_las(data: bytes) -> RawCloud:
-    """Read a LAS or LAZ file.
+def read_las(data: bytes, part: FilePart = WHOLE_FILE) -> RawCloud:
+    """Read a LAS, LAZ or COPC file.
 
     Parameters
     ----------
     data : bytes
         The whole file.
+    part : FilePart
+        Of a COPC, and of its scale's unit, no cells are unpacked but those that it needs.
 
     Returns
     -------
     RawCloud
         Without the points that the file withholds or classes as noise. With the scale as the step of its coordinates.
-        Notes: ``noise_dropped``, ``withheld_dropped``, ``synthetic_points``.
+        Notes: ``part_read``, ``noise_dropped``, ``withheld_dropped``, ``synthetic_points``.
 
     Raises
     ------
@@ -81,6 +86,9 @@ def read_las(data: bytes) -> RawCloud:
         The header is damaged or does not fit what follows, LAZ is damaged or lazrs is missing, or no point is left.
     """
     header = parse_las_header(data)
+    is_octree = header.laszip is not None and is_copc(data)
+    if is_octree and (part.box is not None or part.detail_m):
+        return replace(_cloud_of(*_unpack_part(data, header, part)), has_levels=True)
     count, length = header.n_points, header.length
     begin = header.begin
     records: bytes | bytearray = data
@@ -88,6 +96,24 @@ def read_las(data: bytes) -> RawCloud:
         records, begin = unpack_points(data, header.begin, header.laszip, count, length), 0
     elif header.is_last:
         check_rest_is_padding(data[begin + count * length :], count)
+    return _cloud_of(records, begin, header)
+
+
+def _unpack_part(data: bytes, header: LasHeader, part: FilePart) -> tuple[bytearray, int, LasHeader, list[Note]]:
+    """Return the points of the cells of a COPC that a part needs, and what is said of the others."""
+    cells = cells_of_part(data, part)
+    count = sum(cell.count for cell in cells)
+    if count > header.n_points:
+        raise ReadError(f"its COPC octree holds {count} points, its header states {header.n_points}; {TRUNCATED_HINT}")
+    records = unpack_cells(data, header.laszip or b"", cells, header.length)
+    message = f"{count:,} of {header.n_points:,} points read: those of {len(cells):,} cells of the COPC"
+    note = Note("part_read", READ_STAGE, message)
+    return records, 0, replace(header, n_points=count), [note]
+
+
+def _cloud_of(records: bytes | bytearray, begin: int, header: LasHeader, said: Sequence[Note] = ()) -> RawCloud:
+    """Return the cloud of points as LAS has them."""
+    count, length = header.n_points, header.length
     columns = {
         axis: strided_column(records, "<i4", count, begin + 4 * k, length) * header.scale[k] + header.offset[k]
         for k, axis in enumerate("xyz")
@@ -100,7 +126,7 @@ def read_las(data: bytes) -> RawCloud:
             columns |= dict(zip(RED_GREEN_BLUE, channels, strict=True))
     kept, notes = _kept(records, begin, header)
     cloud = cloud_from_columns({name: column[kept] for name, column in columns.items()}, notes)
-    return RawCloud(cloud.points, cloud.colors, None, cloud.notes, step=np.array(header.scale))
+    return RawCloud(cloud.points, cloud.colors, None, (*said, *cloud.notes), step=np.array(header.scale))
 
 
 def _kept(records: bytes | bytearray, begin: int, header: LasHeader) -> tuple[Bools, list[Note]]:
@@ -183,4 +209,4 @@ def _laszip_record(data: bytes, at: int, end: int, n_vlrs: int) -> bytes:
     raise ReadError(f"is LAZ without the record that says how it is packed; {TRUNCATED_HINT}")
 
 
-FORMAT = ScanFormat(".las", "'LASF'", is_las, read_las, (".laz",))
+FORMAT = ScanFormat(".las", "'LASF'", is_las, read_las, (".laz",), read_part=read_las)

@@ -1,9 +1,12 @@
 """The unpacking of LAZ by lazrs, in blocks, after everything that lazrs would believe was checked."""
 
 import struct
+from collections.abc import Sequence
 from io import BytesIO
+from typing import Any
 
 from stair_inspector.errors import ReadError
+from stair_inspector.files.copc import CopcCell
 from stair_inspector.files.raw_cloud import TRUNCATED_HINT, excerpt
 
 _BLOCK = 500_000
@@ -43,12 +46,7 @@ def unpack_points(data: bytes, begin: int, record: bytes, n_points: int, length:
         raise ReadError(f"states {n_points} LAZ points in {len(data)} bytes, which cannot be; {TRUNCATED_HINT}")
     _check_record(record, length)
     _check_chunks(data, begin, record, n_points)
-    try:
-        import lazrs
-    except ImportError as error:
-        raise ReadError(
-            f"is LAZ, which needs the package lazrs ({excerpt(str(error))}); pip install lazrs, or export it as LAS"
-        ) from error
+    lazrs = _lazrs()
     points = bytearray()
     try:
         stream = BytesIO(data)
@@ -59,8 +57,56 @@ def unpack_points(data: bytes, begin: int, record: bytes, n_points: int, length:
             unpacker.decompress_many(block)
             points += block
     except (lazrs.LazrsError, OSError, RuntimeError, ValueError, OverflowError) as error:
-        raise ReadError(f"its LAZ points are damaged ({excerpt(str(error))}); {TRUNCATED_HINT}") from error
+        raise _damaged(error) from error
     return points
+
+
+def unpack_cells(data: bytes, record: bytes, cells: Sequence[CopcCell], length: int) -> bytearray:
+    """Return the points of some cells of a COPC as LAS has them.
+
+    Parameters
+    ----------
+    data : bytes
+        The whole file.
+    record : bytes
+        The LASzip record.
+    cells : sequence of CopcCell
+        Each is a chunk of its own.
+    length : int
+        Bytes of a point.
+
+    Raises
+    ------
+    ReadError
+        As :func:`unpack_points`.
+    """
+    _check_record(record, length)
+    lazrs = _lazrs()
+    points = bytearray()
+    for cell in cells:
+        packed = data[cell.begin : cell.begin + cell.size]
+        _check_layers(packed, 0, _items(record), 1)
+        block = bytearray(cell.count * length)
+        try:
+            lazrs.decompress_points_with_chunk_table(packed, record, block, [(cell.count, cell.size)])
+        except (lazrs.LazrsError, OSError, RuntimeError, ValueError, OverflowError) as error:
+            raise _damaged(error) from error
+        points += block
+    return points
+
+
+def _lazrs() -> Any:
+    try:
+        import lazrs
+    except ImportError as error:
+        raise ReadError(
+            f"is LAZ, which needs the package lazrs ({excerpt(str(error))}); pip install lazrs, or export it as LAS"
+        ) from error
+    return lazrs
+
+
+def _damaged(error: Exception) -> ReadError:
+    return ReadError(f"its LAZ points are damaged ({excerpt(str(error))}); {TRUNCATED_HINT}")
 
 
 def _check_record(record: bytes, length: int) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
+from stair_inspector.files.file_part import FilePart
 from stair_inspector.files.raw_stations import RawStations
 from stair_inspector.geometry.arrays import Bools, Colors, Floats
 from stair_inspector.model import Note
@@ -37,7 +38,8 @@ class RawCloud:
     ``colors`` (n, 3) uint8 or None; ``normals`` (n, 3) as written, of any length, or None; ``is_outward`` (n,)
     where they are known to point out of a solid, None of a scan; ``unit`` where the file states one; ``step``
     (3,) on which its coordinates lie, in the file's unit, where the format states one; ``facet`` the length of the
-    edges of a mesh that was scanned, in the file's unit; ``stations`` that saw the points.
+    edges of a mesh that was scanned, in the file's unit; ``stations`` that saw the points; ``has_levels`` where no more
+    levels of detail were read than wanted.
     """
 
     points: Floats
@@ -49,6 +51,7 @@ class RawCloud:
     step: Floats | None = None
     facet: float | None = None
     stations: RawStations | None = None
+    has_levels: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +75,8 @@ class ScanFormat:
     begins with. ``fits`` tells it from a file's bytes, ``read`` turns them into a cloud or a mesh or raises ReadError.
     ``is_for_meshes`` where a scan should rather not be exported as it; ``is_text`` where other text may have the suffix
     too. ``read_station`` reads the station with a name or
-    number, all where that is ''; None where a file has none.
+    number, all where that is ''; None where a file has none. ``read_part`` reads no more than a part, None where that
+    takes as long.
     """
 
     suffix: str
@@ -82,6 +86,7 @@ class ScanFormat:
     also: tuple[str, ...] = ()
     is_for_meshes: bool = False
     read_station: Callable[[bytes, str], RawCloud] | None = None
+    read_part: Callable[[bytes, FilePart], RawCloud] | None = None
     is_text: bool = False
 
     @property

@@ -14,9 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from stair_inspector.columns import parse_columns
-from stair_inspector.declarations import check_value
+from stair_inspector.declarations import check_value, parse_box
 from stair_inspector.errors import ColumnsUnclear, DegenerateGeometry, ReadError
 from stair_inspector.files.cleaning import check_range, count_repeats, first_occurrences, to_local_metres, unit_normals
+from stair_inspector.files.file_part import FilePart
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh, ScanFormat, excerpt
 from stair_inspector.files.raw_mesh import cloud_of_mesh
 from stair_inspector.files.raw_stations import RawStations
@@ -120,7 +121,14 @@ def _is_result(path: Path) -> bool:
         return False
 
 
-def read_scan(path: str | os.PathLike[str], unit: ScanUnit = "auto", station: str = "", columns: str = "auto") -> Scan:
+def read_scan(
+    path: str | os.PathLike[str],
+    unit: ScanUnit = "auto",
+    station: str = "",
+    columns: str = "auto",
+    crop: str = "",
+    detail_m: float = 0.0,
+) -> Scan:
     """Read a scan, whatever its format, into metres near zero.
 
     Parameters
@@ -135,6 +143,11 @@ def read_scan(path: str | os.PathLike[str], unit: ScanUnit = "auto", station: st
     columns : str
         What the columns of a text are, as ``-,x,y,z``; see :func:`stair_inspector.columns.parse_columns`. Other formats
         name their own.
+    crop : str
+        Box of the file that is read, ``xmin,ymin,zmin,xmax,ymax,zmax`` in its own coordinates; '' reads all. Of a COPC
+        only the cells that it touches are unpacked.
+    detail_m : float
+        Of a COPC only the levels are read that points so far apart need, in the unit of the file; 0 reads all.
 
     Returns
     -------
@@ -144,8 +157,9 @@ def read_scan(path: str | os.PathLike[str], unit: ScanUnit = "auto", station: st
         unit, to the rounding of float64. ``origin_m`` is zero where all coordinates are within 1000 m of zero, else
         whole metres near the middle of the cloud. Colours 0 to 255 and unit normals where the file has them. Notes
         (stage ``read``): ``unit_guessed``, ``non_finite_dropped``, ``no_return_dropped``, ``duplicates_dropped``,
-        ``normals_dropped``, ``colors_dropped``; of text see :func:`stair_inspector.files.text_scan.read_text`, of
-        meshes :func:`stair_inspector.files.raw_mesh.cloud_of_mesh`, of LAS
+        ``normals_dropped``, ``colors_dropped``, ``cropped``, ``detail_ignored``; of text see
+        :func:`stair_inspector.files.text_scan.read_text`, of meshes
+        :func:`stair_inspector.files.raw_mesh.cloud_of_mesh`, of LAS
         :func:`stair_inspector.files.las_scan.read_las`, of files of stations
         :func:`stair_inspector.files.e57_scan.read_e57`.
 
@@ -157,16 +171,17 @@ def read_scan(path: str | os.PathLike[str], unit: ScanUnit = "auto", station: st
     ColumnsUnclear
         A text of which it is not certain which columns are x, y and z.
     ConfigError
-        Unknown unit, or impossible columns.
+        Unknown unit, or impossible columns or box.
     """
     check_value("unit", unit, ScanUnit, None)
     check_value("station", station, str, None)
     named = parse_columns(columns)
+    part = FilePart(parse_box(crop, "crop", "the file's own coordinates"), detail_m)
     path = Path(path)
     data = _read_bytes(path)
     try:
-        read = _parse(path, data, station, named)
-        return _to_scan(read, unit, excerpt(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
+        read = _parse(path, data, station, named, part)
+        return _to_scan(read, unit, part, excerpt(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
     except ColumnsUnclear as error:
         raise ColumnsUnclear(f"{_name(path)}: {error}", error.lines, error.proposals) from error
     except ReadError as error:
@@ -222,9 +237,11 @@ def _read_bytes(path: Path) -> bytes:
     return data
 
 
-def _parse(path: Path, data: bytes, station: str, columns: Sequence[str]) -> RawCloud | RawMesh:
+def _parse(path: Path, data: bytes, station: str, columns: Sequence[str], part: FilePart) -> RawCloud | RawMesh:
     """Read by content; the suffix only decides which sentence explains a failure."""
     known = next((each for each in FORMATS if each.fits(data)), None)
+    if known is not None and known.read_part is not None:
+        return known.read_part(data, part)
     if known is not None and known.read_station is not None:
         return known.read_station(data, station)
     if station:
@@ -248,7 +265,7 @@ def _parse(path: Path, data: bytes, station: str, columns: Sequence[str]) -> Raw
     return read_text(data, columns)
 
 
-def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, name: str, sha256: str) -> Scan:
+def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, part: FilePart, name: str, sha256: str) -> Scan:
     raw = read
     stated = unit if unit != "auto" else read.unit
     decided = None if stated is None else DecidedUnit(stated)
@@ -265,6 +282,15 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, name: str, sha256: str) -
     if 1 < np.count_nonzero(is_no_return) < len(kept):
         notes.append(_dropped("no_return_dropped", int(is_no_return.sum()), n_points, "all at 0, 0, 0: no return"))
         kept = kept[~is_no_return]
+    if part.box is not None:
+        n_before, kept = len(kept), kept[part.holds(raw.points[kept])]
+        if not len(kept):
+            raise ReadError("has no points in the box of --crop, which is in the file's own coordinates; give another")
+        message = f"{len(kept):,} of {n_before:,} points read lie in the box of --crop; the others were left out"
+        notes.append(Note("cropped", READ_STAGE, message))
+    if part.detail_m and not raw.has_levels:
+        message = "detail_m changes nothing: this scan has no levels of detail, as COPC has; every point was read"
+        notes.append(Note("detail_ignored", READ_STAGE, message))
     finite = raw.points[kept]
     check_range(finite)
     decided = decided or decide_unit(finite)

@@ -350,7 +350,7 @@ def test_a_failure_is_not_kept(process, path):
 
 def test_a_missing_file_is_asked_of_the_reader(process, tmp_path):
     Workshop().read(tmp_path / "none.ply", FileReading("auto"))
-    assert process.runs == [(read_scan, tmp_path / "none.ply", "auto", "", "auto")]
+    assert process.runs == [(read_scan, tmp_path / "none.ply", *FileReading("auto"))]
 
 
 def test_the_least_recent_scans_are_let_go(process, tmp_path):

@@ -8,6 +8,7 @@ from stair_inspector.viewer.parts.examination_html import examination_html
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.parts.scan.columns import ColumnsTool
 from stair_inspector.viewer.parts.scan.one_station import StationMenu
+from stair_inspector.viewer.parts.scan.part_of_file import PartOfFile
 from stair_inspector.viewer.parts.scan.points import PointsFolder
 from stair_inspector.viewer.parts.scan.region import RegionTool
 from stair_inspector.viewer.parts.scan.upright import UprightTool
@@ -48,6 +49,7 @@ class ScanPart(PagePart):
         controls.add_choice("method")
         controls.add_choice("unit")
         self.columns = ColumnsTool(context)
+        self.part_of_file = PartOfFile(context)
         self.station = StationMenu(context)
         controls.add_choice("stations")
         controls.add_up()

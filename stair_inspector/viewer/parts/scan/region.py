@@ -3,6 +3,7 @@
 import numpy as np
 import viser
 
+from stair_inspector.declarations import Box
 from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.overrules import parse_region
@@ -17,8 +18,6 @@ _EDGES = ((0, 1), (1, 3), (3, 2), (2, 0), (4, 5), (5, 7), (7, 6), (6, 4), (0, 4)
 """Pairs of the corners of a box that are joined; bit 2 of a corner's number is x, bit 1 y, bit 0 z."""
 _LEAST_M = 0.002
 """A handle that was dragged onto another leaves so much of a box."""
-Corner = tuple[float, float, float]
-Box = tuple[Corner, Corner]
 
 
 class RegionTool:

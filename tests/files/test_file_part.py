@@ -1,0 +1,178 @@
+"""A part of a file: a box of it, and of a COPC the levels that a distance of points needs; laspy is the oracle."""
+
+import io
+import time
+
+import laspy
+import numpy as np
+import pytest
+
+from stair_inspector.errors import ConfigError, ReadError
+from stair_inspector.files.file_part import FilePart
+from stair_inspector.files.las_scan import read_las
+from stair_inspector.files.ply import ply_bytes
+from stair_inspector.files.scans import read_scan
+from stair_inspector.params import Params
+from stair_inspector.pipeline import inspect
+from tests.files.copc_files import copc_file
+from tests.files.models import exported, stair_of_solids
+from tests.files.test_las import las_file
+from tests.files.test_mesh_damage import damaged
+from tests.synthetic import Stair
+
+POINTS = np.round(np.random.default_rng(3).random((5000, 3)) * [6.0, 4.0, 3.0], 4)
+BOX = ((1.0, 1.0, 1.0), (2.0, 2.0, 2.0))
+
+
+def text_of(box):
+    return ",".join(str(number) for corner in box for number in corner)
+
+
+def found_by_laspy(content, bounds=None, resolution=None):
+    """The points (n, 3) of a part as laspy's own reader of COPC finds them."""
+    found = laspy.CopcReader(io.BytesIO(content)).query(bounds, resolution=resolution)
+    return np.column_stack([found.x, found.y, found.z])
+
+
+def by_rows(points):
+    """Points in an order of their own."""
+    return points[np.lexsort(points.T)]
+
+
+@pytest.mark.parametrize("paged", [True, False])
+def test_a_whole_copc_is_read_as_laspy_reads_it(paged):
+    content, _ = copc_file(POINTS, paged=paged)
+    assert np.array_equal(by_rows(read_las(content).points), by_rows(found_by_laspy(content)))
+
+
+@pytest.mark.parametrize("box", [None, BOX, ((-1.0, 0.0, 0.0), (0.5, 9.0, 9.0)), ((3.3, 1.2, 0.1), (3.4, 1.9, 2.9))])
+@pytest.mark.parametrize("detail_m", [0.0, 0.21, 0.2, 0.11, 0.1, 0.05, 0.01])
+@pytest.mark.parametrize("paged", [True, False])
+def test_a_part_of_a_copc_is_that_of_laspy(box, detail_m, paged):
+    content, _ = copc_file(POINTS, paged=paged)
+    bounds = None if box is None else laspy.copc.Bounds(np.array(box[0]), np.array(box[1]))
+    wanted = found_by_laspy(content, bounds, detail_m or None)
+    assert len(wanted), "the boxes hold points of every level"
+    part = FilePart(box, detail_m)
+    found = read_las(content, part).points
+    assert np.array_equal(by_rows(found[part.holds(found)]), by_rows(wanted))
+
+
+def test_no_more_cells_are_unpacked_than_the_box_touches(tmp_path):
+    content, cells = copc_file(POINTS)
+    (tmp_path / "a.laz").write_bytes(content)
+    scan = read_scan(tmp_path / "a.laz", "m", crop=text_of(((0.0, 0.0, 0.0), (1.9, 1.9, 1.9))))
+    # The octree begins at the lowest coordinates: its first cells of the three levels.
+    n_read = sum(len(cells[level, 0, 0, 0]) for level in range(3))
+    inside = int(np.all(POINTS <= 1.9, axis=1).sum())
+    assert len(scan.points) == inside
+    notes = {note.code: note.message for note in scan.notes}
+    assert notes["part_read"] == f"{n_read:,} of 5,000 points read: those of 3 cells of the COPC"
+    assert notes["cropped"].startswith(f"{inside:,} of {n_read:,} points read lie in the box")
+
+
+@pytest.mark.parametrize("name", ["a.ply", "a.las", "a.csv"])
+def test_every_format_is_cropped_in_its_own_coordinates(tmp_path, name):
+    in_mm = POINTS * 1000.0
+    contents = {
+        "a.ply": ply_bytes(in_mm),
+        "a.las": las_file(in_mm, scale=0.1),
+        "a.csv": "\n".join(["x,y,z", *(f"{x:.1f},{y:.1f},{z:.1f}" for x, y, z in in_mm)]).encode(),
+    }
+    (tmp_path / name).write_bytes(contents[name])
+    scan = read_scan(tmp_path / name, "mm", crop="1000,1000,1000,2000,2000,2000")
+    wanted = POINTS[np.all((POINTS >= 1.0) & (POINTS <= 2.0), axis=1)]
+    assert np.allclose(scan.points + scan.origin_m, wanted, rtol=0.0, atol=1e-9)
+    assert scan.n_points == len(POINTS)
+
+
+def test_the_points_of_a_mesh_are_cropped(tmp_path):
+    (tmp_path / "a.ply").write_bytes(exported(stair_of_solids(2), "a.ply"))
+    scan = read_scan(tmp_path / "a.ply", "m", crop="0,0,0.1,1,1,1")
+    assert len(scan.points) > 1000
+    assert np.all((scan.points >= [0.0, 0.0, 0.1]) & (scan.points <= 1.0))
+
+
+def test_a_stair_is_measured_in_its_part_as_if_there_were_no_more(tmp_path):
+    points = np.round(Stair(noise=0.002, risers=True).sample()[0], 4)
+    beside = points + np.array([20.0, 0.0, 0.0])
+    (tmp_path / "a.copc.laz").write_bytes(copc_file(np.concatenate([points, beside]), side=32.0)[0])
+    (tmp_path / "b.las").write_bytes(las_file(points))
+    box = text_of((points.min(axis=0) - 0.5, points.max(axis=0) + 0.5))
+    part, alone = read_scan(tmp_path / "a.copc.laz", "m", crop=box), read_scan(tmp_path / "b.las", "m")
+    assert np.array_equal(by_rows(part.points + part.origin_m), by_rows(alone.points + alone.origin_m))
+    sizes = [[step.rise_m.value for step in inspect(scan, Params(up="z")).steps] for scan in (part, alone)]
+    assert sizes[0] == pytest.approx(sizes[1], abs=1e-4)
+    assert len(sizes[0]) == 5
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "sentence"),
+    [
+        ("a.ply", {"crop": "9,9,9,10,10,10"}, "has no points in the box of --crop"),
+        ("a.laz", {"crop": "9,9,9,10,10,10"}, "has no points in the box of --crop"),
+    ],
+)
+def test_a_part_that_there_is_not_is_a_sentence(tmp_path, name, options, sentence):
+    contents = {"a.ply": ply_bytes(POINTS), "a.las": las_file(POINTS), "a.laz": copc_file(POINTS)[0]}
+    (tmp_path / name).write_bytes(contents[name])
+    with pytest.raises(ReadError, match=sentence):
+        read_scan(tmp_path / name, "m", **options)
+
+
+@pytest.mark.parametrize(("name", "is_said"), [("a.ply", True), ("a.las", True), ("a.laz", False)])
+def test_a_scan_without_levels_is_read_whole_and_that_is_said(tmp_path, name, is_said):
+    contents = {"a.ply": ply_bytes(POINTS), "a.las": las_file(POINTS), "a.laz": copc_file(POINTS)[0]}
+    (tmp_path / name).write_bytes(contents[name])
+    scan = read_scan(tmp_path / name, "m", detail_m=0.1)
+    assert ("detail_ignored" in {note.code for note in scan.notes}) == is_said
+    assert (len(scan.points) == len(POINTS)) == is_said
+
+
+@pytest.mark.parametrize("text", ["1,2,3", "a", "1,1,1,0,2,2", "nan,0,0,1,1,1", "0,0,0,inf,1,1"])
+def test_an_impossible_box_is_refused_before_the_file_is_read(tmp_path, text):
+    sentence = r"crop: got .*; give xmin,ymin,zmin,xmax,ymax,zmax in the file's own coordinates"
+    with pytest.raises(ConfigError, match=sentence):
+        Params(crop=text)
+    with pytest.raises(ConfigError, match=sentence):
+        read_scan(tmp_path / "there_is_none.ply", crop=text)
+
+
+def is_refused(content):
+    """Whether a COPC is refused with one line; where it is not, points come out."""
+    try:
+        found = read_las(content, FilePart(BOX, 0.1))
+    except ReadError as error:
+        return "\n" not in str(error)
+    assert len(found.points)
+    return False
+
+
+def test_two_hundred_damaged_octrees_give_a_sentence_or_points():
+    content, _ = copc_file(POINTS)
+    rng = np.random.default_rng(5)
+    slowest_s = 0.0
+    n_refused = 0
+    pages_at = int.from_bytes(content[469:477], "little")
+    for number in range(200):
+        changed = bytearray(damaged(content, rng))
+        if number % 2 and len(changed) == len(content):
+            # The record of the octree and its pages are a small part of the file: strike them.
+            at = int(rng.integers(429, 485) if number % 4 == 1 else rng.integers(pages_at, len(content)))
+            changed[at] ^= int(rng.integers(1, 256))
+        began = time.process_time()
+        n_refused += is_refused(bytes(changed))
+        slowest_s = max(slowest_s, time.process_time() - began)
+    assert n_refused > 50
+    assert slowest_s < 1.0
+
+
+def test_a_page_that_names_itself_ends():
+    content, _ = copc_file(POINTS)
+    at = int.from_bytes(content[469:477], "little")
+    n_bytes = int.from_bytes(content[477:485], "little")
+    changed = bytearray(content)
+    # The last entry of the first page names the other one: let it name its own.
+    changed[at + n_bytes - 16 : at + n_bytes - 8] = at.to_bytes(8, "little")
+    with pytest.raises(ReadError, match="is named twice"):
+        read_las(bytes(changed), FilePart(BOX))
