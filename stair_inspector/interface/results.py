@@ -17,7 +17,7 @@ from stair_inspector.model import Flight, Inspection, Note, Observation, Scan, S
 from stair_inspector.params import Params
 from stair_inspector.quantities import IN_TABLE, SHOWN_OF_PAPER
 from stair_inspector.writers.csv import CSV_COLUMNS, csv_column, csv_rows
-from stair_inspector.writers.html import blocks_html
+from stair_inspector.writers.html import notebook_html
 from stair_inspector.writers.inspection import write_inspection
 from stair_inspector.writers.json import json_bytes
 
@@ -140,7 +140,7 @@ class StairInspection:
         if found.steps:
             blocks += [flights_table(found), steps_table(found, None)] if found.flights else [paper_table(found)]
         blocks.append(Bullets((*examination_lines(found), *(note.message for note in found.notes))))
-        return blocks_html(blocks)
+        return notebook_html(blocks)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -186,7 +186,7 @@ class StairCheck:
         return f"<StairCheck of {self.found.inspection.scan.name}: {self.sentence}>"
 
     def _repr_html_(self) -> str:
-        return blocks_html([Paragraph(self.sentence), results_table(self.check)])
+        return notebook_html([Paragraph(self.sentence), results_table(self.check)])
 
 
 def _plain_cell(cell: Cell) -> TableCell:

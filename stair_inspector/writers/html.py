@@ -84,6 +84,13 @@ footer{margin-top:48px;border-top:1px solid var(--line);padding-top:8px;color:va
 tr,.facts div,.key,.status{break-inside:avoid}h2,h3,caption{break-after:avoid}.wide{overflow:visible}
 th,td{padding:2.5px 3.5px}tr.at-bad td,tr.at-close td,.status{print-color-adjust:exact}}
 """
+_IN_A_NOTEBOOK = """
+.stair-inspector caption{text-align:left;font-weight:600}
+.stair-inspector caption .note{display:block;font-weight:400;font-size:smaller;max-width:80em}
+.stair-inspector th small{display:block;font-weight:400}
+.stair-inspector td.v,.stair-inspector td.n{text-align:right;white-space:nowrap}
+.stair-inspector td.u{text-align:left;white-space:nowrap}
+"""
 
 
 def html_bytes(document: Document) -> bytes:
@@ -104,6 +111,11 @@ def html_bytes(document: Document) -> bytes:
         f"<footer>{_text(foot)}</footer>\n</main>\n</body>\n</html>\n",
     ]
     return "".join(parts).encode("utf-8")
+
+
+def notebook_html(blocks: Sequence[Block]) -> str:
+    """Return blocks for a cell of a notebook, which has its own style for tables."""
+    return f'<div class="stair-inspector"><style>{_IN_A_NOTEBOOK}</style>\n{blocks_html(blocks)}</div>\n'
 
 
 def _text(value: str) -> str:

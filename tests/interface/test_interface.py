@@ -131,6 +131,7 @@ def test_a_notebook_shows_steps_and_notes(found):
     shown = found._repr_html_()
     assert repr(found) == "<StairInspection of stair.ply: 4 steps in 1 flight, by survey>"
     assert shown.count("<tr") == 1 + 1 + 1 + 4
+    assert shown.startswith('<div class="stair-inspector"><style>')
     assert len(found.notes) > 0
     assert [note.code for note in found.notes if html.escape(note.message) not in shown] == []
 
