@@ -50,10 +50,6 @@ def run(args: list[str]) -> int:
     from stair_inspector.geometry.open3d import why_not_loadable
     from stair_inspector.simulation.samples import DEFAULT_SAMPLE
 
-    reason = why_not_loadable()
-    if reason:
-        # Said in the terminal now, not only on the page after the first scan.
-        print(f"stair-inspector: note: works without Open3D: {reason}", file=sys.stderr, flush=True)
     if view.project_dir:
         check_folder(Path(view.project_dir), "--project-dir")
     basis = _basis_of_all(Path(view.fields)) if view.fields else None
@@ -80,6 +76,10 @@ def run(args: list[str]) -> int:
         host = "127.0.0.1" if view.host in ("0.0.0.0", "::") else view.host
         address = f"http://[{host}]:{app.port}" if ":" in host else f"http://{host}:{app.port}"
         print(f"stair-inspector is at {address} (Ctrl+C ends it)", flush=True)
+        reason = why_not_loadable()
+        if reason:
+            # Said in the terminal now, not only on the page after the first scan.
+            print(f"stair-inspector: note: works without Open3D: {reason}", file=sys.stderr, flush=True)
         if not is_loopback(view.host):
             print(
                 f"stair-inspector: warning: everyone who can reach {view.host} sees these scans, can change "

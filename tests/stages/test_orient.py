@@ -99,7 +99,7 @@ def test_a_leaning_scan_takes_the_side_on_which_most_points_lie_and_says_so():
     stair = Stair(motion=motion(rotation("x", 90.0)))
     up = up_of(*stair.sample())
     assert degrees_between(up.vector, stair.motion[:3, 2]) < 0.1
-    assert [note.code for note in up.notes] == ["up_not_z"]
+    assert [note.code for note in up.notes if note.code != "without_open3d"] == ["up_not_z"]
 
 
 def test_the_floor_is_the_plane_with_the_most_levels_not_the_largest_which_is_a_wall():
@@ -111,7 +111,7 @@ def test_the_floor_is_the_plane_with_the_most_levels_not_the_largest_which_is_a_
     wall_normals = np.tile([0.0, 1.0, 0.0], (len(wall), 1))
     up = up_of(np.concatenate([points, wall]), np.concatenate([normals, wall_normals]))
     assert degrees_between(up.vector, np.array([0.0, 0.0, 1.0])) < 0.5
-    assert [note.code for note in up.notes] == ["floor_not_largest"]
+    assert [note.code for note in up.notes if note.code != "without_open3d"] == ["floor_not_largest"]
     # The paper's floor is the largest plane and nothing else.
     by_paper = up_of(np.concatenate([points, wall]), np.concatenate([normals, wall_normals]), "paper")
     assert degrees_between(np.abs(by_paper.vector), np.array([0.0, 1.0, 0.0])) < 0.5
