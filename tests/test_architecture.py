@@ -280,7 +280,7 @@ STAGES = (
     ("up_questions", "floor_planes", "orient", "levels", "sparse", "treads", "paper"),
     ("region", "dither", "plan_cells", "patches", "bar_peaks", "bars", "rejects"),
     ("links", "pace", "gaps", "missing_feet", "runs", "run_ends", "flights"),
-    ("planes", "arcs", "climbs", "foot", "runners", "thick_runners", "split_flights", "pieces", "plumb"),
+    ("planes", "arcs", "climbs", "foot", "runners", "thick_runners", "split_flights", "undersides", "pieces", "plumb"),
     ("hidden", "pooled", "near_points", "edge_finder", "nosing_heights", "step_shapes", "nosings"),
     ("doubt", "parts", "flight_values", "step_values", "unobserved", "survey", "beyond", "blurred", "impossible"),
     ("hopeless", "causes", "units", "verdict", "suggest", "retry", "withhold"),

@@ -26,6 +26,7 @@ from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.runners import bare_treads
 from stair_inspector.stages.split_flights import with_unseen_strips
 from stair_inspector.stages.thick_runners import with_bare_sides
+from stair_inspector.stages.undersides import find_steps_from_below
 
 _ROUNDS = 3
 """A piece that is joined may let the flight go on, and so find the pieces of the next tread."""
@@ -68,6 +69,10 @@ def find_flights(
         Of these surfaces, without strips of floor.
     """
     chains = find_chains(patches, params, least_area_m2, forced)
+    lower = find_steps_from_below(heights, patches, chains.chains) - forced.kinds.keys()
+    if lower:
+        forced = dataclasses.replace(forced, kinds={**forced.kinds, **dict.fromkeys(lower, "rejected")})
+        chains = find_chains(patches, params, least_area_m2, forced)
     whole = with_bare_sides(horizontal, patches, chains, forced)
     if whole is not patches:
         patches, chains = whole, find_chains(whole, params, least_area_m2, forced)
@@ -82,9 +87,18 @@ def find_flights(
     if strips:
         chains = without_floor_strips(heights, patches, find_chains(patches, params, least_area_m2, forced), forced)
         chains = dataclasses.replace(chains, notes=(*chains.notes, *strips))
-    doubts = [note for chain in chains.chains for note in _note_of_bars(horizontal, patches, chain)]
+    doubts = [_note_of_underside(patches.surfaces[number]) for number in sorted(lower)]
+    doubts += [note for chain in chains.chains for note in _note_of_bars(horizontal, patches, chain)]
     chains = dataclasses.replace(chains, notes=(*chains.notes, *doubts)) if doubts else chains
     return bare_treads(horizontal, _with_common_bounds(patches, chains), chains)
+
+
+def _note_of_underside(surface: Surface) -> Note:
+    message = (
+        f"the surface at {surface.height_m:.3f} m is the underside of a tread, whose edge stands above it, and is no "
+        "step: what was seen of the tread from above is measured; scan from higher up as well"
+    )
+    return Note("underside", "flights", message)
 
 
 def _with_common_bounds(patches: Patches, chains: Chains) -> Patches:
