@@ -12,9 +12,9 @@ from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 from stair_inspector.geometry.percentiles import mad_sigma
 from stair_inspector.stages.layers import Cells
 
-LEAST_APART_M = 0.003
+LEAST_APART_M = 0.0045
 """What is less is left to the uncertainty of registration that the scanner's preset states."""
-_LEAST_SEEN_M = 0.002
+_LEAST_SEEN_M = 0.003
 """The same of a first estimate: a plane through two layers that each cover a part of its cell takes some of it away."""
 _FLAT = 0.5
 _FEWEST_CELLS = 20

@@ -21,6 +21,8 @@ _AGREEING = 0.92
 _STAYED = 0.25
 """A plane on which both lie nearer than this share of it has stayed: where one station saw the upper faces of slabs and
 the other their undersides, the floor is not double. Two planes show it: a pane seen from both sides is one."""
+_ALIKE, _MOST_ALIKE = 0.25, 0.75
+"""Where means alone tell them, the distances of most planes are the same to this share."""
 _TURNED = 0.9
 """A turn is made where it leaves so much less between the stations."""
 _ON_STEPS, _OF_STEP = 1.05, 0.5
@@ -186,7 +188,10 @@ def distance_apart(cells: Cells, way: tuple[Floats, Ints], of_point: Bools, roun
     off, where = np.array([each.apart_m for each in found]), np.array([each.place for each in found])
     apart_m = float(np.median(off))
     is_shown = np.abs(off - apart_m) <= 0.5 * abs(apart_m)
-    if _has_stayed(_of_planes(off, where @ normal), apart_m):
+    # A station that leans, as levelling leaves it, moves every plane by as much as it is far away.
+    of_planes = _of_planes(off, where @ normal)
+    is_alike = np.abs(of_planes - apart_m) <= _ALIKE * abs(apart_m)
+    if not len(of_planes) or _has_stayed(of_planes, apart_m) or is_alike.mean() < _MOST_ALIKE:
         return None
     is_floor = _is_on_largest(cells.middles()[members] @ normal, where[is_shown] @ normal)
     return float(off[is_shown].mean()) if is_floor and is_shown.mean() > 0.5 else None

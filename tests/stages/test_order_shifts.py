@@ -28,7 +28,7 @@ def shift_of(points, stride=1):
     return find_order_shift(points, cells, flat_ways(cells), stride)
 
 
-@pytest.mark.parametrize(("apart_m", "stride"), [(0.004, 1), (0.012, 1), (-0.012, 2)])
+@pytest.mark.parametrize(("apart_m", "stride"), [(0.006, 1), (0.012, 1), (-0.012, 2)])
 def test_a_shift_under_noise_is_found_where_the_next_station_begins(apart_m, stride):
     found = shift_of(level_points((0.0, apart_m)), stride)
     assert found.is_two
@@ -47,7 +47,7 @@ def test_three_places_are_not_two():
     assert not shift_of(level_points((0.0, 0.01, 0.02))).is_two
 
 
-@pytest.mark.parametrize("how", ["together", "a millimetre", "shuffled"])
+@pytest.mark.parametrize("how", ["together", "two millimetres", "shuffled"])
 def test_nothing_is_found_where_nothing_changes(how):
-    points = level_points((0.0, {"together": 0.0, "a millimetre": 0.001, "shuffled": 0.012}[how]))
+    points = level_points((0.0, {"together": 0.0, "two millimetres": 0.002, "shuffled": 0.012}[how]))
     assert shift_of(np.random.default_rng(1).permutation(points) if how == "shuffled" else points) is None

@@ -262,3 +262,12 @@ def test_a_place_that_is_picked_lies_where_it_was_measured():
             for of in (is_second[display.point_ids], ~is_second[display.point_ids])
         ]
         assert heights[0] == pytest.approx(heights[1], abs=0.002)
+
+
+def test_a_station_that_leans_as_levelling_leaves_it_is_left_to_the_uncertainty_of_levelling():
+    # Noise hides the layers, and every plane is off by another distance.
+    turn = rotation("y", 0.12)
+    noise_m = np.random.default_rng(5).normal(0.0, 0.003, apart().shape)
+    scan, examined, laid, now = joined(apart((0.0, 0.0, 0.0), turn) + noise_m)
+    assert laid is scan
+    assert now is examined
