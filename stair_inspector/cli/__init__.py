@@ -20,7 +20,7 @@ COMMANDS = ("view", "measure", "check", "rules", "simulate", "presets", "quantit
 _USAGE = """\
 usage: stair-inspector [COMMAND] [OPTIONS]
 
-Measures staircases in 3-D scans (PLY, PCD, LAS, LAZ, E57, PTX, XYZ, PTS, CSV; meshes: PLY, OBJ, STL, OFF, GLB).
+Measures staircases in 3-D scans (PLY, PCD, LAS, LAZ, E57, PTX, XYZ, PTS, CSV, NPY; meshes: PLY, OBJ, STL, OFF, GLB).
 
 commands:
   view SCAN ...             the web inspector; without a SCAN, or without any command, a bundled sample scan

@@ -146,7 +146,7 @@ def _checked_header(entries: Mapping[str, list[str]], body: int) -> PcdHeader:
         number = parse_count(count, f"the COUNT of PCD field '{excerpt(name)}'")
         if name in _PACKED_COLORS and (size, number) != ("4", 1):
             raise ReadError(f"its PCD field '{excerpt(name)}' has {size} x {number} bytes instead of 4; {_HINT}")
-        if number == 0 or (number > 1 and name in ("x", "y", "z")):
+        if number != 1 and name in ("x", "y", "z"):
             raise ReadError(f"its PCD field '{excerpt(name)}' has COUNT {number} instead of 1; {_HINT}")
         fields.append(PcdField(name, f"<{kind.lower()}{size}", number, offset))
         offset += fields[-1].size
@@ -247,10 +247,10 @@ def _read_ascii(data: bytes, header: PcdHeader) -> RawCloud:
     notes = cut_note() if is_cut else ()
     at = 0
     for item in header.fields:
-        column = values[:, at]
         at += item.count
-        if item.count > 1 or item.name == _PADDING:
+        if item.count != 1 or item.name == _PADDING:
             continue
+        column = values[:, at - 1]
         if not _is_packed(item):
             columns[item.name] = as_declared(column, np.dtype(item.type))
             continue

@@ -65,6 +65,11 @@ class PlyElement:
         return next((item for item in self.properties if item.count_type and item.name in _FACE_NAMES), None)
 
     @property
+    def scalars(self) -> tuple[PlyProperty, ...]:
+        """The properties of one value."""
+        return tuple(item for item in self.properties if item.count_type is None)
+
+    @property
     def smallest_row(self) -> int:
         """Bytes of a row, every list empty."""
         return sum(
@@ -158,12 +163,9 @@ def _checked_elements(elements: list[PlyElement]) -> tuple[PlyElement, ...]:
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise ReadError(f"its PLY vertices have the property '{excerpt(twice[0])}' twice; {ELEMENT_HINT}")
-    if vertices[0].count == 0 or not names:
-        raise ReadError(
-            f"its PLY header states {vertices[0].count} points with {len(names)} properties; {ELEMENT_HINT}"
-        )
-    if vertices[0].has_lists:
-        raise ReadError("its PLY vertices have a list property, which is not supported; export the points without it")
+    count, n_scalars = vertices[0].count, len(vertices[0].scalars)
+    if count == 0 or n_scalars == 0:
+        raise ReadError(f"its PLY header states {count} points with {n_scalars} properties; {ELEMENT_HINT}")
     if any(element.name == "tristrips" and element.count for element in elements):
         raise ReadError("its PLY faces are triangle strips, which are not read; export the mesh with single faces")
     return tuple(elements)

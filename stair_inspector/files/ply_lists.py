@@ -43,24 +43,32 @@ def read_rows(data: bytes, at: int, element: PlyElement) -> tuple[int, Lists]:
     _check_fits(data, at, element, element.count * element.smallest_row)
     if not element.has_lists or element.count == 0:
         return at + element.count * element.smallest_row, NO_LISTS
-    # Nearly all meshes have lists of one length: try that of the first row for all.
-    first, lists = _walk_row(data, at, element)
-    stride = first - at
-    if at + element.count * stride <= len(data) and all(
-        (strided_column(data, str(item.count_type), element.count, at + offset, stride) == length).all()
-        for item, offset, length in lists
-    ):
+    stride = uniform_stride(data, at, element)
+    if stride is not None:
+        _, lists = walk_row(data, at, element)
         return at + element.count * stride, _uniform_faces(data, at, stride, element, lists)
     values, lengths, end = [], [], at
     faces = element.faces
     for _ in range(element.count):
         begin = end
-        end, lists = _walk_row(data, begin, element)
+        end, lists = walk_row(data, begin, element)
         for item, offset, length in lists:
             if item is faces:
                 values.append(np.frombuffer(data, item.type, length, begin + offset + _length_bytes(item)))
                 lengths.append(length)
     return end, (np.concatenate(values).astype(np.int64), np.array(lengths)) if values else NO_LISTS
+
+
+def uniform_stride(data: bytes, at: int, element: PlyElement) -> int | None:
+    """Return the bytes of a row where lists are equally long in all rows, as in nearly all meshes; else None."""
+    end, lists = walk_row(data, at, element)
+    stride = end - at
+    if at + element.count * stride <= len(data) and all(
+        (strided_column(data, str(item.count_type), element.count, at + offset, stride) == length).all()
+        for item, offset, length in lists
+    ):
+        return stride
+    return None
 
 
 def _uniform_faces(data: bytes, at: int, stride: int, element: PlyElement, lists: _Found) -> Lists:
@@ -82,7 +90,7 @@ def _length_bytes(item: PlyProperty) -> int:
     return np.dtype(item.count_type).itemsize
 
 
-def _walk_row(data: bytes, at: int, element: PlyElement) -> tuple[int, _Found]:
+def walk_row(data: bytes, at: int, element: PlyElement) -> tuple[int, _Found]:
     """Return the offset after one row, and the lists in it."""
     begin = at
     lists: _Found = []

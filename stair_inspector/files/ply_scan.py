@@ -14,7 +14,9 @@ from stair_inspector.errors import ReadError
 from stair_inspector.files.number_lines import NumberLines
 from stair_inspector.files.ply_header import LINE_BYTES, PlyHeader, parse_ply_header
 from stair_inspector.files.ply_lists import NO_LISTS, Lists, read_lines, read_rows
+from stair_inspector.files.ply_vertices import vertex_columns, without_lists
 from stair_inspector.files.raw_cloud import (
+    READ_STAGE,
     TRUNCATED_HINT,
     RawCloud,
     RawMesh,
@@ -23,9 +25,12 @@ from stair_inspector.files.raw_cloud import (
     check_rest_is_padding,
     cloud_from_columns,
     cut_note,
-    strided_column,
+    excerpt,
 )
 from stair_inspector.files.raw_mesh import mesh_of_polygons
+from stair_inspector.model import Note
+
+_MOST_COLUMNS = 1000
 
 
 def is_ply(data: bytes) -> bool:
@@ -66,7 +71,10 @@ def _read_ascii(data: bytes, header: PlyHeader) -> tuple[RawCloud, Lists]:
     counts = [element.count if element.properties else 0 for element in header.elements]
     n_before = sum(counts[: header.elements.index(vertex)])
     n_expected_after = sum(counts) - n_before - vertex.count
-    values, n_after, is_cut = NumberLines(data, header.body, len(vertex.properties), vertex.count, n_before).parse()
+    n_columns = len(vertex.scalars)
+    n_written = n_columns if vertex.has_lists else max(n_columns, _words_of_row(data, header.body, n_before))
+    lines = NumberLines(data, header.body, n_written, vertex.count, n_before, clean=without_lists(vertex))
+    values, n_after, is_cut = lines.parse()
     if n_after != n_expected_after:
         hint = TRUNCATED_HINT if n_after < n_expected_after else "the header is wrong, export the scan again"
         raise ReadError(
@@ -74,7 +82,7 @@ def _read_ascii(data: bytes, header: PlyHeader) -> tuple[RawCloud, Lists]:
         )
     columns = {
         item.name: as_declared(column, np.dtype(item.type))
-        for item, column in zip(vertex.properties, values.T, strict=True)
+        for item, column in zip(vertex.scalars, values.T[:n_columns], strict=True)
     }
     faces = NO_LISTS
     if header.face is not None:
@@ -83,7 +91,20 @@ def _read_ascii(data: bytes, header: PlyHeader) -> tuple[RawCloud, Lists]:
         stream.seek(header.body)
         faces = read_lines(list(islice(filter(bytes.strip, stream), begin, begin + header.face.count)), header.face)
         is_cut = not data.endswith((b"\n", b"\r"))
-    return cloud_from_columns(columns, cut_note() if is_cut else ()), faces
+    notes = cut_note() if is_cut else ()
+    if n_written > n_columns:
+        numbers = ", ".join(str(k + 1) for k in range(n_columns, n_written))
+        message = f"its header names {n_columns} columns but its lines have {n_written}: column {numbers} ignored"
+        notes += (Note("columns_ignored", READ_STAGE, excerpt(message, 200)),)
+    return cloud_from_columns(columns, notes), faces
+
+
+def _words_of_row(data: bytes, body: int, n_before: int) -> int:
+    """Return how many words the first row of the vertices has."""
+    stream = BytesIO(data)
+    stream.seek(body)
+    row = next(islice(filter(bytes.strip, stream), n_before, None), b"")
+    return len(row.split(None, _MOST_COLUMNS))
 
 
 def _read_binary(data: bytes, header: PlyHeader) -> tuple[RawCloud, Lists]:
@@ -93,13 +114,8 @@ def _read_binary(data: bytes, header: PlyHeader) -> tuple[RawCloud, Lists]:
         begin = at if element is header.vertex else begin
         at, lists = read_rows(data, at, element)
         faces = lists if element is header.face else faces
-    vertex = header.vertex
-    check_rest_is_padding(data[at:], vertex.count)
-    columns = {}
-    for item in vertex.properties:
-        columns[item.name] = strided_column(data, item.type, vertex.count, begin, vertex.smallest_row)
-        begin += item.size
-    return cloud_from_columns(columns), faces
+    check_rest_is_padding(data[at:], header.vertex.count)
+    return cloud_from_columns(vertex_columns(data, begin, header.vertex)), faces
 
 
 FORMAT = ScanFormat(".ply", "'ply'", is_ply, read_ply)

@@ -16,6 +16,7 @@ import numpy as np
 from stair_inspector.columns import parse_columns
 from stair_inspector.declarations import check_value, parse_box
 from stair_inspector.errors import ColumnsUnclear, DegenerateGeometry, ReadError
+from stair_inspector.files.archives import ARCHIVE_SUFFIXES, is_archive, unpack_scan
 from stair_inspector.files.cleaning import check_range, count_repeats, first_occurrences, to_local_metres, unit_normals
 from stair_inspector.files.file_part import FilePart
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh, ScanFormat, excerpt
@@ -35,6 +36,7 @@ _READERS = (
     "e57_scan",
     "ptx_scan",
     "pts_scan",
+    "npy_scan",
     "gltf_scan",
     "stl_scan",
     "off_scan",
@@ -50,14 +52,14 @@ FORMATS: tuple[ScanFormat, ...] = tuple(
 _TEXT_SUFFIXES = (".xyz", ".csv")
 FOLDER_SUFFIXES = (*(suffix for each in FORMATS for suffix in each.suffixes), *_TEXT_SUFFIXES)
 """Suffixes taken from a folder: a text file in a folder is more often a remark than a scan."""
-SUFFIXES = (*FOLDER_SUFFIXES, ".txt", ".asc")
+_SCAN_SUFFIXES = (*FOLDER_SUFFIXES, ".txt", ".asc")
+SUFFIXES = (*_SCAN_SUFFIXES, *ARCHIVE_SUFFIXES)
 """Suffixes of scans, lower case; what a file holds decides how it is read."""
 
+_IN_FOLDERS = (*FOLDER_SUFFIXES, *(f"{suffix}.gz" for suffix in FOLDER_SUFFIXES))
 _LARGEST_BYTES = 4 * 2**30
 _PATH_CHARACTERS = 300
 _OTHER_FORMATS = {
-    b"PK\x03\x04": "a ZIP archive",
-    b"\x1f\x8b": "a gzip archive",
     b"%PDF": "PDF",
     b"\x89PNG": "an image",
     b"\xff\xd8\xff": "an image",
@@ -96,7 +98,7 @@ def find_scans(paths: Sequence[Path]) -> list[Path]:
             inside = sorted(
                 child
                 for child in path.iterdir()
-                if child.suffix.lower() in FOLDER_SUFFIXES
+                if child.name.lower().endswith(_IN_FOLDERS)
                 and not child.name.startswith(".")
                 and child.is_file()
                 and not _is_result(child)
@@ -134,7 +136,8 @@ def read_scan(
     Parameters
     ----------
     path : Path
-        A cloud or a mesh of any of FORMATS, or text; the content decides, not the suffix. The file is only read.
+        A cloud or a mesh of any of FORMATS, or text, or one of them in a gzip or ZIP; the content decides, not the
+        suffix. The file is only read.
     unit : str
         Unit of the file's coordinates; ``auto`` takes that of the format, or decides by the stair that comes out, see
         :func:`stair_inspector.stages.units.decide_unit`.
@@ -180,7 +183,7 @@ def read_scan(
     path = Path(path)
     data = _read_bytes(path)
     try:
-        read = _parse(path, data, station, named, part)
+        read = _parse(path.name, data, station, named, part)
         return _to_scan(read, unit, part, excerpt(path.name, len(path.name)), hashlib.sha256(data).hexdigest())
     except ColumnsUnclear as error:
         raise ColumnsUnclear(f"{_name(path)}: {error}", error.lines, error.proposals) from error
@@ -237,9 +240,12 @@ def _read_bytes(path: Path) -> bytes:
     return data
 
 
-def _parse(path: Path, data: bytes, station: str, columns: Sequence[str], part: FilePart) -> RawCloud | RawMesh:
+def _parse(name: str, data: bytes, station: str, columns: Sequence[str], part: FilePart) -> RawCloud | RawMesh:
     """Read by content; the suffix only decides which sentence explains a failure."""
     known = next((each for each in FORMATS if each.fits(data)), None)
+    if known is None and is_archive(data):
+        name, data = unpack_scan(data, name, _SCAN_SUFFIXES)
+        known = next((each for each in FORMATS if each.fits(data)), None)
     if known is not None and known.read_part is not None:
         return known.read_part(data, part)
     if known is not None and known.read_station is not None:
@@ -251,7 +257,7 @@ def _parse(path: Path, data: bytes, station: str, columns: Sequence[str], part: 
     other = next((name for magic, name in _OTHER_FORMATS.items() if data.startswith(magic)), None)
     if other is not None:
         raise ReadError(f"is {other}, which is not read; {_HINT}")
-    suffix = path.suffix.lower()
+    suffix = Path(name).suffix.lower()
     stated = next((each for each in FORMATS if suffix in each.suffixes and not each.is_text), None)
     if stated is not None:
         try:

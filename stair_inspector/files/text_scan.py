@@ -3,16 +3,11 @@
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-
-import numpy as np
-from numpy.typing import NDArray
+from functools import partial
 
 from stair_inspector.errors import ReadError
 from stair_inspector.files.number_lines import NumberLines
 from stair_inspector.files.raw_cloud import (
-    NORMAL_XYZ,
-    READ_STAGE,
-    RED_GREEN_BLUE,
     TRUNCATED_HINT,
     RawCloud,
     as_whole,
@@ -23,8 +18,7 @@ from stair_inspector.files.raw_cloud import (
 from stair_inspector.files.text_dialect import REMARKS, has_two_readings
 from stair_inspector.files.text_head import read_head, unclear_columns
 from stair_inspector.files.text_table import TextTable, find_table
-from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Note
+from stair_inspector.files.unnamed_columns import cloud_without_names
 
 _BOM = b"\xef\xbb\xbf"
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
@@ -32,9 +26,6 @@ _SNIFFED_BYTES = 65_536
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 _ENDS = b"\x1a"
 """Old editors end a file with it."""
-_UNIT_TOLERANCE = 0.02
-"""Normals are often written with two decimals."""
-_RUNNING_ROWS = 10
 
 
 def is_text(data: bytes) -> bool:
@@ -101,7 +92,9 @@ def read_text(data: bytes, columns: Sequence[str] = ()) -> RawCloud:
         named = {name: as_whole(values[:, k]) for k, name in enumerate(names) if name}
         cloud = cloud_from_columns(named, notes)
     else:
-        cloud = _cloud_without_names(values[:, [k for k in range(len(names)) if k not in ignored]], notes, table)
+        unclear = partial(unclear_columns, table=table)
+        numbers = [k for k in range(len(names)) if k not in ignored]
+        cloud = cloud_without_names(values[:, numbers], notes, unclear)
     return replace(cloud, unit=head.unit)
 
 
@@ -121,49 +114,3 @@ def _numbers_alone(table: TextTable) -> tuple[str, ...]:
         raise unclear_columns("not all of its columns are numbers, and no line names them", table)
     # What is neither numbers nor names has a damaged row, which is found as it is read.
     return tuple("" if text else "number" for _, text in kinds)
-
-
-def _cloud_without_names(values: Floats, notes: Sequence[Note], table: TextTable) -> RawCloud:
-    rest = values[:, 3:]
-    n_rest = rest.shape[1]
-    first, others = values[:, 0], values[:, 1:3]
-    if n_rest and len(values) >= _RUNNING_ROWS:
-        is_whole = bool((first == np.floor(first)).all()) and not (others == np.floor(others)).all(axis=0).any()
-        if is_whole or bool((np.diff(first) > 0.0).all()):
-            raise unclear_columns(
-                "its first column numbers the lines or is a time, so it is not clear which columns are x, y and z",
-                table,
-            )
-    columns: dict[str, NDArray[np.float64] | NDArray[np.uint8]] = dict(zip("xyz", values.T, strict=False))
-    used = 0
-    if n_rest == 3 and _are_normals(rest):
-        columns.update(zip(NORMAL_XYZ, rest.T, strict=True))
-        used = 3
-    elif n_rest in (3, 6) and _are_colors(rest[:, :3]) and (n_rest == 3 or _are_normals(rest[:, 3:])):
-        columns.update(zip(RED_GREEN_BLUE, rest[:, :3].T.astype(np.uint8), strict=True))
-        columns.update(zip(NORMAL_XYZ, rest[:, 3:].T, strict=n_rest == 6))
-        used = n_rest
-    elif n_rest == 4 and _are_colors(rest[:, 1:]):
-        columns.update(zip(RED_GREEN_BLUE, rest[:, 1:].T.astype(np.uint8), strict=True))
-        used = n_rest
-    # A fourth column is an intensity by custom; of anything else the user should know that it was not understood.
-    if n_rest > max(used, 1):
-        message = (
-            f"{n_rest} columns after x, y, z were ignored: they are neither colours (whole numbers 0 to 255) nor unit "
-            "normals; a first line that names the columns settles it"
-        )
-        notes = [*notes, Note("columns_ignored", READ_STAGE, message)]
-    return cloud_from_columns(columns, notes)
-
-
-def _are_colors(values: Floats) -> bool:
-    return bool(((values >= 0.0) & (values <= 255.0) & (values == np.floor(values))).all())
-
-
-def _are_normals(values: Floats) -> bool:
-    """Return whether rows are unit vectors, those aside that are zero or not finite: no normal at that point."""
-    given = values[np.isfinite(values).all(axis=1) & values.any(axis=1)]
-    # Larger components are no normals, and their squares might overflow.
-    if not len(given) or np.abs(given).max() > 2.0:
-        return False
-    return bool((np.abs(np.sqrt((given * given).sum(axis=1)) - 1.0) <= _UNIT_TOLERANCE).all())

@@ -41,6 +41,15 @@ PCD_ASCII = (PCD_HEAD.format("ascii") + LINES).encode()
 _SOA = np.ascontiguousarray(POINTS.T).tobytes()
 _LZF = b"".join(b"\x1f" + _SOA[i : i + 32] for i in range(0, 96, 32))
 PCD_PACKED = PCD_HEAD.format("binary_compressed").encode() + struct.pack("<II", len(_LZF), 96) + _LZF
+LISTS = "property list uchar int views\nproperty double z\nend_header\n"
+PLY_LISTS = (
+    "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty double x\nproperty double y\n" + LISTS
+).encode() + b"".join(struct.pack(f"<2dB{k}id", x, y, k, *range(k), z) for k, (x, y, z) in enumerate(POINTS.tolist()))
+PLY_LISTS_ASCII = (
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\n"
+    + LISTS
+    + "".join(f"{x} {y} 2 7 8 {z}\n" for x, y, z in POINTS.tolist())
+).encode()
 PTS = f"4\n{LINES}".encode()
 XYZ = LINES.encode()
 CSV = b"x,y,z,r,g,b\n1.5,2,3,0,255,7\n2,3,4,1,2,3\n"
@@ -48,6 +57,8 @@ CSV = b"x,y,z,r,g,b\n1.5,2,3,0,255,7\n2,3,4,1,2,3\n"
 VALID = {
     "a.ply": PLY,
     "ascii.ply": PLY_ASCII,
+    "lists.ply": PLY_LISTS,
+    "asciilists.ply": PLY_LISTS_ASCII,
     "a.pcd": PCD,
     "ascii.pcd": PCD_ASCII,
     "packed.pcd": PCD_PACKED,
@@ -88,7 +99,7 @@ BAD = {
     "scan.las": (b"LASF" + bytes(300), "is LAS version 0.0"),
     "small.ptx": (b"2\n2\n" + b"0 0 0\n" * 4 + b"1 0 0 0\n" * 4 + b"1 2 3 0.5\n" * 4, "matrix of its station 1"),
     "scan.e57": (b"ASTM-E57" + bytes(300), "states 0 bytes"),
-    "scan.zip": (b"PK\x03\x04" + bytes(300), "ZIP"),
+    "scan.zip": (b"PK\x03\x04" + bytes(300), "is a damaged archive"),
     # PLY
     "magic.ply": (b"ply", "header does not end"),
     "header.ply": (PLY[: PLY.index(b"end_header")], "header does not end"),
@@ -107,7 +118,11 @@ BAD = {
     "version.ply": (PLY.replace(b"endian 1.0", b"endian 2.0"), "only 1.0"),
     "type.ply": (PLY.replace(b"double z", b"quad z"), "'quad z'"),
     "keyword.ply": (PLY.replace(b"element vertex", b"elephant vertex"), "'elephant vertex 4'"),
-    "list.ply": (PLY.replace(b"property double z", b"property list uchar double z"), "list property"),
+    "list.ply": (PLY.replace(b"property double z", b"property list uchar double z"), "truncated"),
+    "onlylists.ply": (PLY_LISTS.replace(b"property double", b"property list uchar double"), "with 0 properties"),
+    "listshort.ply": (PLY_LISTS[:-1], "truncated"),
+    "listzero.ply": (PLY_LISTS_ASCII.replace(b" 2 7 8 ", b" 9 7 8 ", 1), "line 9 should have 3 columns, got 1"),
+    "listword.ply": (PLY_LISTS_ASCII.replace(b" 2 7 8 ", b" x 7 8 ", 1), "line 9 should have 3 columns, got 1"),
     "novertex.ply": (PLY.replace(b"element vertex", b"element vortex"), "'vertex' 0 times"),
     "twovertices.ply": (PLY.replace(b"end_header", b"element vertex 1\nproperty double x\nend_header"), "2 times"),
     "mesh.ply": (PLY_MESH[:-1], "truncated"),
@@ -138,7 +153,7 @@ BAD = {
     "size.pcd": (PCD.replace(b"SIZE 8 8 8", b"SIZE 8 8 3"), "'F 3'"),
     "type.pcd": (PCD.replace(b"TYPE F F F", b"TYPE F F Q"), "'Q 8'"),
     "count.pcd": (PCD.replace(b"COUNT 1 1 1", b"COUNT 1 1 2"), "COUNT 2 instead of 1"),
-    "count0.pcd": (PCD.replace(b"COUNT 1 1 1", b"COUNT 1 1 0"), "COUNT 0"),
+    "count0.pcd": (PCD.replace(b"COUNT 1 1 1", b"COUNT 1 1 0"), "COUNT 0 instead of 1"),
     "count-.pcd": (PCD.replace(b"COUNT 1 1 1", b"COUNT 1 1 -1"), "whole number"),
     "rgb.pcd": (PCD.replace(b"x y z", b"x y rgb"), "8 x 1 bytes instead of 4"),
     "data.pcd": (PCD.replace(b"DATA binary", b"DATA base64"), "'base64'"),

@@ -67,7 +67,7 @@ def pcd_file(fields: str, rows: list[tuple[float, ...]], data: str = "binary", n
     if data == "binary":
         return head + table.tobytes()
     at, columns = 0, b""
-    for count in map(int, counts):
+    for count in filter(None, map(int, counts)):
         columns += (
             table[[f"f{i}" for i in range(at, at + count)]]
             .copy()
@@ -136,6 +136,35 @@ def test_ply_properties_in_any_order_and_normals(tmp_path: Path, form: str) -> N
     assert np.array_equal(scan.points, POINTS)
     assert scan.normals is not None
     assert np.allclose(scan.normals, NORMALS, atol=1e-16)
+
+
+@pytest.mark.parametrize("form", ["ascii", *ORDERS])
+@pytest.mark.parametrize("lengths", [(2, 2, 2), (0, 3, 1)])
+def test_ply_lists_among_the_vertices_are_left_out(tmp_path: Path, form: str, lengths: tuple[int, ...]) -> None:
+    head = f"ply\nformat {form} 1.0\nelement vertex 3\nproperty double x\nproperty list uchar short views\n"
+    head += "property double y\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty double z\n"
+    body = b""
+    for (x, y, z), color, length in zip(POINTS.tolist(), COLORS.tolist(), lengths, strict=True):
+        row = (x, length, *range(length), y, *color, z)
+        if form == "ascii":
+            body += (" ".join(map(repr, row)) + "\n").encode()
+        else:
+            body += struct.pack(f"{ORDERS[form]}dB{length}hd3Bd", *row)
+    scan = read(tmp_path, "a.ply", f"{head}end_header\n".encode() + body)
+    assert np.array_equal(scan.points, POINTS)
+    assert np.array_equal(scan.colors, COLORS)
+
+
+def test_ply_columns_that_its_header_does_not_name_are_ignored_with_a_note(tmp_path: Path) -> None:
+    rows = [(*p, 0, 7) for p in POINTS.tolist()]
+    content = ply_file("ascii", "double x,double y,double z", rows)
+    scan = read(tmp_path, "a.ply", content)
+    assert np.array_equal(scan.points, POINTS)
+    (note,) = scan.notes
+    assert note.code == "columns_ignored"
+    assert note.message == "its header names 3 columns but its lines have 5: column 4, 5 ignored"
+    with pytest.raises(ReadError, match="line 10 should have 5 columns, got 4"):
+        read(tmp_path, "b.ply", content.replace(b" 0 7\n", b" 7\n").replace(b" 7\n", b" 0 7\n", 1))
 
 
 FACES = [(0, 1, 2), (2, 1, 0, 1), (0, 2, 1)]
@@ -303,6 +332,23 @@ def test_pcd_nan_points_are_dropped_and_counted(tmp_path: Path, data: str) -> No
     assert scan.n_points == 4
     assert codes(scan) == ["non_finite_dropped"]
     assert "2 of 4" in scan.notes[0].message
+
+
+@pytest.mark.parametrize("data", STORAGES)
+def test_pcd_padding_of_no_values(tmp_path: Path, data: str) -> None:
+    rows = [(1.0, 2.0, 3.0, 9), (4.0, 5.0, 6.0, 9)]
+    fields = "x:F4 _:U1x0 y:F4 z:F4 ring:U2 _:U2x0"
+    assert read(tmp_path, "a.pcd", pcd_file(fields, rows, data)).points.tolist() == [[1, 2, 3], [4, 5, 6]]
+
+
+@pytest.mark.parametrize("data", STORAGES)
+def test_pcd_organised_with_pixels_without_a_return(tmp_path: Path, data: str) -> None:
+    nan = float("nan")
+    rows = [(0.5, 1.0, 2.0), (nan, nan, nan), (nan, nan, nan), (1.5, 1.0, 2.0), (2.5, 1.0, 2.0), (nan, nan, nan)]
+    content = pcd_file("x:F4 y:F4 z:F4", rows, data).replace(b"WIDTH 6\nHEIGHT 1", b"WIDTH 3\nHEIGHT 2")
+    scan = read(tmp_path, "a.pcd", content)
+    assert scan.points[:, 0].tolist() == [0.5, 1.5, 2.5]
+    assert [note.message for note in scan.notes] == ["3 of 6 points dropped: not finite (NaN or infinite)"]
 
 
 def test_pcd_organised_and_old_headers(tmp_path: Path) -> None:

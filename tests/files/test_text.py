@@ -177,7 +177,7 @@ def test_the_command_line_takes_columns_that_begin_with_a_dash(tmp_path, capsys)
     numbered.write_text("".join(f"{k} {k / 7} 1.5 2.5\n" for k in range(12)))
     assert cli.main(["measure", str(numbered), "-o", str(tmp_path / "out")]) == 3
     assert "give --columns x,y,z or --columns -,x,y,z" in capsys.readouterr().err
-    # Read; that these twelve points are no stair is another matter.
+    # Read, and nothing is warned of; that these twelve points are no stair is another matter.
     cli.main(["measure", str(numbered), "-o", str(tmp_path / "out"), "--columns", "-,x,y,z"])
     assert "columns" not in capsys.readouterr().err
     assert cli.main(["measure", str(numbered), "-o", str(tmp_path / "out"), "--columns", "x,y"]) == 2

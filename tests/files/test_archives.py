@@ -1,0 +1,156 @@
+"""Scans in gzip and ZIP, and numpy's arrays: the same points; bombs, several scans, Python objects are a sentence."""
+
+import gzip
+import io
+import time
+import tracemalloc
+import zipfile
+
+import numpy as np
+import pytest
+
+from stair_inspector.errors import ReadError
+from stair_inspector.files.ply import ply_bytes
+from stair_inspector.files.scans import FOLDER_SUFFIXES, SUFFIXES, find_scans, read_scan
+from tests.files.test_mesh_damage import damaged
+from tests.files.test_scan_damage import check_form, points_or_none
+
+POINTS = np.array([[0.5, 1.25, -2.0], [1.5, 1.0, 3.0], [0.25, 4.0, 5.0], [8.0, 1.0, 6.5]])
+COLORS = np.arange(12, dtype=np.uint8).reshape(4, 3)
+PLY = ply_bytes(POINTS, COLORS)
+LINES = b"".join(b"%r %r %r\n" % tuple(point) for point in POINTS.tolist())
+
+
+def zipped(method=zipfile.ZIP_DEFLATED, **members):
+    """A ZIP of members, a double underscore in their names for a point."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", method) as archive:
+        for name, content in members.items():
+            archive.writestr(name.replace("__", "."), content)
+    return stream.getvalue()
+
+
+def npy(array):
+    stream = io.BytesIO()
+    np.save(stream, array)
+    return stream.getvalue()
+
+
+def npz(save=np.savez, **arrays):
+    stream = io.BytesIO()
+    save(stream, **arrays)
+    return stream.getvalue()
+
+
+def fields(**columns):
+    made = np.zeros(len(POINTS), dtype=[(name, np.asarray(column).dtype) for name, column in columns.items()])
+    for name, column in columns.items():
+        made[name] = column
+    return made
+
+
+X, Y, Z = POINTS.T
+RED, GREEN, BLUE = COLORS.T
+READ = {
+    "a.ply.gz": gzip.compress(PLY),
+    "a.xyz.gz": gzip.compress(LINES[:30]) + gzip.compress(LINES[30:]),
+    "a.zip": zipped(a__ply=PLY),
+    "stored.zip": zipped(zipfile.ZIP_STORED, a__xyz=LINES),
+    "beside.zip": zipped(readme__md="a", a__ply=PLY, __MACOSX="b"),
+    "strange.zip": zipped(points=LINES),
+    "a.npy": npy(POINTS),
+    "fortran.npy": npy(np.asfortranarray(POINTS)),
+    "big.npy": npy(POINTS.astype(">f8")),
+    "colors.npy": npy(np.hstack([POINTS, COLORS])),
+    "rows.npy": npy(POINTS.reshape(2, 2, 3)),
+    "fields.npy": npy(fields(X=X, Y=Y, Z=Z, red=RED, green=GREEN, blue=BLUE, name=["a"] * 4)),
+    "a.npz": npz(anything=POINTS),
+    "packed.npz": npz(np.savez_compressed, other=POINTS[:2], points=POINTS, colors=COLORS),
+    "axes.npz": npz(x=X, y=Y, z=Z, red=RED, green=GREEN, blue=BLUE),
+}
+"""Files of the same points."""
+WITH_COLORS = {"a.ply.gz", "a.zip", "beside.zip", "colors.npy", "fields.npy", "packed.npz", "axes.npz"}
+
+
+@pytest.mark.parametrize("name", READ)
+def test_the_points_are_those_of_the_plain_file(tmp_path, name):
+    (tmp_path / name).write_bytes(READ[name])
+    scan = read_scan(tmp_path / name, "m")
+    assert np.array_equal(scan.points, POINTS)
+    assert (scan.colors is not None) == (name in WITH_COLORS)
+    assert scan.colors is None or np.array_equal(scan.colors, COLORS)
+
+
+def test_folders_give_packed_scans_but_no_zip(tmp_path):
+    for name in ("a.ply.gz", "a.zip", "b.npy", "c.tar.gz"):
+        (tmp_path / name).write_bytes(b"a")
+    assert [path.name for path in find_scans([tmp_path])] == ["a.ply.gz", "b.npy"]
+    assert {".gz", ".zip"} <= set(SUFFIXES)
+    assert {".npy", ".npz"} <= set(FOLDER_SUFFIXES)
+
+
+BOMB = bytes(30_000_000)
+LYING = npy(POINTS).replace(b"(4, 3), }          ", b"(999999999999, 3), }")
+BAD = {
+    "bomb.gz": (gzip.compress(BOMB), "unpacks to more than"),
+    "bomb.zip": (zipped(a__xyz=BOMB), "unpacks to more than"),
+    "bomb.npz": (npz(np.savez_compressed, a=np.zeros(3_000_000)), "unpacks to more than 200 times its size"),
+    "two.zip": (zipped(a__ply=PLY, b__xyz=LINES), "holds 2 scans (a.ply, b.xyz); unpack it"),
+    "many.zip": (zipped(**{f"a{k}__ply": PLY for k in range(9)}), "a4.ply and 4 more)"),
+    "none.zip": (zipped(a__md="a", b__png="b"), "holds no scan (a.md, b.png); unpack it"),
+    "empty.zip": (zipped(), "holds no scan (no file)"),
+    "nothing.zip": (zipped(a__ply=""), "holds an empty file ('a.ply')"),
+    "nested.zip": (zipped(a__ply=gzip.compress(PLY)), "holds another archive ('a.ply')"),
+    "method.zip": (zipped(zipfile.ZIP_BZIP2, a__ply=PLY), "other than deflate"),
+    "cut.zip": (zipped(a__ply=PLY)[:-30], "is a damaged archive"),
+    "cut.gz": (gzip.compress(PLY)[:-12], "is a damaged archive"),
+    "crc.gz": (gzip.compress(PLY)[:-8] + bytes(8), "is a damaged archive"),
+    "bad.zip": (zipped(a__ply=PLY[:-1]), "truncated"),
+    "objects.npy": (npy(np.array([[{}, 1, 2]], dtype=object)), "is an NPY of Python objects, which are not read"),
+    "lying.npy": (LYING, "its NPY header states 23999999999976 bytes but 97 follow"),
+    "short.npy": (npy(POINTS)[:-1], "states 96 bytes but 95 follow"),
+    "header.npy": (npy(POINTS)[:40], "has a damaged NPY header"),
+    "code.npy": (npy(POINTS).replace(b"'descr'", b"f('des'"), "has a damaged NPY header"),
+    "none.npy": (npy(np.zeros((0, 3))), "holds no points"),
+    "flat.npy": (npy(X), "is an array of shape (4,)"),
+    "turned.npy": (npy(np.zeros((3, 2000))), "is an array of shape (3, 2000)"),
+    "texts.npy": (npy(np.array([["a", "b", "c"]])), "instead of numbers"),
+    "complex.npy": (npy(POINTS * 1j), "is an NPY of complex128 instead of numbers"),
+    "named.npy": (npy(fields(x=X, y=Y)), "has no z"),
+    "numbered.npy": (npy(np.hstack([np.arange(40.0)[:, None], np.ones((40, 3)) / 3])), "numbers the lines"),
+    "several.npz": (npz(a=X, b=POINTS), "holds several arrays (a, b), none of them called points"),
+    "uneven.npz": (npz(x=X, y=Y, z=Z[:2]), "of different lengths"),
+    "cut.npz": (npz(a=POINTS)[:-30], "is a damaged NPZ"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_what_is_refused(tmp_path, name):
+    content, words = BAD[name]
+    (tmp_path / name).write_bytes(content)
+    tracemalloc.start()
+    with pytest.raises(ReadError) as caught:
+        read_scan(tmp_path / name, "m")
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    check_form(tmp_path / name, str(caught.value))
+    assert words in str(caught.value)
+    # In parts, joined, and what a buffer is ahead: at most three times 200 times the file, whatever a header states.
+    assert peak < 2_000_000 + 3 * 200 * len(content)
+
+
+DAMAGED = ("a.ply.gz", "a.zip", "a.npy", "fields.npy", "packed.npz")
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_two_hundred_damaged_files_give_a_sentence_or_a_scan(name):
+    rng = np.random.default_rng(7)
+    slowest_s = 0.0
+    n_refused = 0
+    for _ in range(200):
+        content = damaged(READ[name], rng)
+        began = time.process_time()
+        n_refused += points_or_none(name, content) is None
+        slowest_s = max(slowest_s, time.process_time() - began)
+    assert n_refused > 100
+    assert slowest_s < 1.0
