@@ -28,7 +28,7 @@ def is_archive(data: bytes) -> bool:
     return data.startswith((_GZIP, _ZIP, _EMPTY_ZIP))
 
 
-def unpack_scan(data: bytes, name: str, suffixes: Sequence[str]) -> tuple[str, bytes]:
+def unpack_scan(data: bytes, name: str, suffixes: Sequence[tuple[str, ...]]) -> tuple[str, bytes]:
     """Return the name and the bytes of the scan in an archive.
 
     Parameters
@@ -37,8 +37,8 @@ def unpack_scan(data: bytes, name: str, suffixes: Sequence[str]) -> tuple[str, b
         The whole archive.
     name : str
         Of the archive.
-    suffixes : sequence of str
-        Of scans, in lower case; by these a scan is told from what lies beside it in a ZIP.
+    suffixes : sequence of tuples of str
+        Of scans, in lower case, the surest first: by these a scan is told from what lies beside it in a ZIP.
 
     Raises
     ------
@@ -78,11 +78,11 @@ def _limited(stream: IO[bytes] | GzipFile, n_packed: int) -> bytes:
     return unpacked
 
 
-def _chosen(members: Sequence[zipfile.ZipInfo], suffixes: Sequence[str]) -> zipfile.ZipInfo:
+def _chosen(members: Sequence[zipfile.ZipInfo], suffixes: Sequence[tuple[str, ...]]) -> zipfile.ZipInfo:
     """Return the one scan among the members of a ZIP."""
     files = [each for each in members if not each.is_dir() and not _is_of_the_system(each.filename)]
-    scans = [each for each in files if PurePosixPath(each.filename).suffix.lower() in suffixes]
-    scans = files if len(files) == 1 else scans
+    of_kinds = ([each for each in files if each.filename.lower().endswith(kind)] for kind in suffixes)
+    scans = files if len(files) == 1 else next(filter(None, of_kinds), [])
     if len(scans) != 1:
         named = ", ".join(excerpt(each.filename) for each in (scans or files)[:_MOST_NAMED])
         more = f" and {len(scans or files) - _MOST_NAMED} more" if len(scans or files) > _MOST_NAMED else ""

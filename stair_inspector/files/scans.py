@@ -244,7 +244,7 @@ def _parse(name: str, data: bytes, station: str, columns: Sequence[str], part: F
     """Read by content; the suffix only decides which sentence explains a failure."""
     known = next((each for each in FORMATS if each.fits(data)), None)
     if known is None and is_archive(data):
-        name, data = unpack_scan(data, name, _SCAN_SUFFIXES)
+        name, data = unpack_scan(data, name, (FOLDER_SUFFIXES, _SCAN_SUFFIXES))
         known = next((each for each in FORMATS if each.fits(data)), None)
     if known is not None and known.read_part is not None:
         return known.read_part(data, part)
