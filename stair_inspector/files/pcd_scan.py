@@ -221,7 +221,7 @@ def _check_size(got: int, needed: int, n_points: int) -> None:
         )
 
 
-def _decompressed(data: bytes, header: PcdHeader, needed: int) -> bytearray:
+def _decompressed(data: bytes, header: PcdHeader, needed: int) -> bytes:
     begin = header.body + 8
     _check_size(len(data) - header.body, 8, header.n_points)
     n_packed, n_unpacked = struct.unpack_from("<II", data, header.body)

@@ -3,6 +3,7 @@
 import hashlib
 import io
 import struct
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -394,6 +395,14 @@ def test_lzf_repeats_bytes_and_refuses_damage() -> None:
             lzf_decompress(stream, size)
     with pytest.raises(ReadError, match="damaged"):
         lzf_decompress(b"\x00a", 2**32 - 1)
+
+
+def test_without_its_package_a_compressed_pcd_is_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "lzf", None)
+    rows = [(1.0, 2.0, 3.0)]
+    with pytest.raises(ReadError, match="the package python-neo-lzf is missing; install it or export as binary PCD"):
+        read(tmp_path, "a.pcd", pcd_file("x:F4 y:F4 z:F4", rows, "binary_compressed"))
+    assert read(tmp_path, "b.pcd", pcd_file("x:F4 y:F4 z:F4", rows)).points.tolist() == [[1, 2, 3]]
 
 
 # --- text ---

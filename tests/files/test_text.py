@@ -1,6 +1,8 @@
 """Text as people export it: how rows are written, names, units, titles; what cannot be told is asked."""
 
 import copy
+import time
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -9,8 +11,10 @@ from stair_inspector import cli
 from stair_inspector.columns import parse_columns
 from stair_inspector.errors import ColumnsUnclear, ConfigError, ReadError
 from stair_inspector.files.scans import read_scan
+from stair_inspector.files.text_scan import read_text
 from stair_inspector.params import Params
-from tests.files.test_scan_damage import check_form
+from tests.files.test_mesh_damage import damaged
+from tests.files.test_scan_damage import check_form, points_or_none
 
 POINTS = np.array([[1.125, 2.25, -0.5], [1.5, 2.75, 0.25], [10.25, 3.0, 1.75], [4.125, 3.5, 2.0]])
 
@@ -182,3 +186,33 @@ def test_the_command_line_takes_columns_that_begin_with_a_dash(tmp_path, capsys)
     assert "columns" not in capsys.readouterr().err
     assert cli.main(["measure", str(numbered), "-o", str(tmp_path / "out"), "--columns", "x,y"]) == 2
     assert "name x, y and z once each" in capsys.readouterr().err
+
+
+DAMAGED = ("german", "remarks behind rows", "quoted decimal commas", "Fortran", "titles", "blanks and tabs")
+
+
+@pytest.mark.parametrize("name", DAMAGED)
+def test_two_hundred_damaged_texts_give_a_sentence_or_a_scan(name):
+    content = READ[name][0].encode()
+    rng = np.random.default_rng(9)
+    n_refused = 0
+    slowest_s = 0.0
+    for _ in range(200):
+        spoilt = damaged(content, rng)
+        began = time.process_time()
+        n_refused += points_or_none("a.csv", spoilt) is None
+        slowest_s = max(slowest_s, time.process_time() - began)
+    assert 0 < n_refused < 200
+    assert slowest_s < 1.0
+
+
+@pytest.mark.parametrize("separator", [" ", ";"])
+def test_text_takes_a_bounded_multiple_of_its_size(tmp_path, separator):
+    content = ("x y z\n".replace(" ", separator) + rows(separator, comma=separator == ";") * 2000).encode()
+    (tmp_path / "a.csv").write_bytes(content)
+    tracemalloc.start()
+    read_text(content)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    # Three doubles a line of 18 bytes or more, and the same again while they are put side by side.
+    assert peak < 8 * len(content)
