@@ -25,7 +25,6 @@ from stair_inspector.files.raw_cloud import (
     check_rest_is_padding,
     cloud_from_columns,
     cut_note,
-    excerpt,
 )
 from stair_inspector.files.raw_mesh import mesh_of_polygons
 from stair_inspector.model import Note
@@ -93,9 +92,9 @@ def _read_ascii(data: bytes, header: PlyHeader) -> tuple[RawCloud, Lists]:
         is_cut = not data.endswith((b"\n", b"\r"))
     notes = cut_note() if is_cut else ()
     if n_written > n_columns:
-        numbers = ", ".join(str(k + 1) for k in range(n_columns, n_written))
-        message = f"its header names {n_columns} columns but its lines have {n_written}: column {numbers} ignored"
-        notes += (Note("columns_ignored", READ_STAGE, excerpt(message, 200)),)
+        which = f"column {n_written}" if n_written == n_columns + 1 else f"columns {n_columns + 1} to {n_written}"
+        message = f"its header names {n_columns} columns but its lines have {n_written}: {which} ignored"
+        notes += (Note("columns_ignored", READ_STAGE, message),)
     return cloud_from_columns(columns, notes), faces
 
 

@@ -163,7 +163,7 @@ def test_ply_columns_that_its_header_does_not_name_are_ignored_with_a_note(tmp_p
     assert np.array_equal(scan.points, POINTS)
     (note,) = scan.notes
     assert note.code == "columns_ignored"
-    assert note.message == "its header names 3 columns but its lines have 5: column 4, 5 ignored"
+    assert note.message == "its header names 3 columns but its lines have 5: columns 4 to 5 ignored"
     with pytest.raises(ReadError, match="line 10 should have 5 columns, got 4"):
         read(tmp_path, "b.ply", content.replace(b" 0 7\n", b" 7\n").replace(b" 7\n", b" 0 7\n", 1))
 
