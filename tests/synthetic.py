@@ -142,6 +142,7 @@ CHANGES = {
     "levels.eps_m": LevelsParams.eps_m / 2.0,
     "levels.min_points": LevelsParams.min_points + 20,
     "axes.rule": "global",
+    "columns": "x,y,z",
     "station": "Hall",
     "crop": "-9,-9,-9,9,9,9",
     "detail_m": 0.01,

@@ -32,8 +32,8 @@ def kept_samples(monkeypatch):
     """Let a command go on with the samples as other tests have read them, and as far as these have measured them."""
     kept = {path: load_sample(path.stem) for path in (STRAIGHT, DEFECTIVE)}
 
-    def read(path, unit):
-        assert unit == "auto"
+    def read(path, *reading):
+        assert reading[0] == "auto"
         return kept[path][0]
 
     def measure(scan, params, memo):
@@ -151,7 +151,7 @@ def asked_of(monkeypatch):
         monkeypatch.setattr(
             scans,
             "read_scan",
-            lambda path, unit: dataclasses.replace(read_scan(path, unit), observations=observations),
+            lambda path, *reading: dataclasses.replace(read_scan(path, *reading), observations=observations),
         )
 
     return ask

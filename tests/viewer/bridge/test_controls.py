@@ -87,7 +87,7 @@ def test_numbers_that_are_dragged_have_sliders_and_others_are_written(panel):
     dragged = {name for name in NUMBERS if SETTINGS.setting(name).place in ("tune", "survey")}
     assert {name for name, kind in kinds.items() if kind == "GuiSliderHandle"} == dragged
     assert {name for name, kind in kinds.items() if kind == "GuiNumberHandle"} == set(NUMBERS) - dragged
-    assert len(set(NUMBERS) - dragged) == 9
+    assert len(set(NUMBERS) - dragged) == 10
 
 
 def test_what_a_control_says_is_in_its_own_unit(panel):
