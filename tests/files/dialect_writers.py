@@ -31,7 +31,8 @@ NORMALS = np.tile([0.0, 0.6, 0.8], (N, 1))
 class Written:
     """A way to write the stair: the end of the file's name, its bytes, what is lost, and what it is read with.
 
-    ``coarse_m`` is the largest error of a coordinate that the format itself makes; ``refused`` words of the sentence
+    ``coarse_m`` is the largest error of a coordinate that the format itself makes; ``is_sorted`` tells that it puts the
+    points into an order of its own; ``refused`` are words of the sentence
     with which the dialect is refused.
     """
 
@@ -40,6 +41,7 @@ class Written:
     coarse_m: float = 1e-9
     unit: str = "m"
     columns: str = "auto"
+    is_sorted: bool = False
     refused: str = ""
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import trimesh
 
 from stair_inspector.files.ply import ply_bytes
+from tests.files.copc_files import copc_file
 from tests.files.dialect_writers import (
     COLORS,
     INTENSITY,
@@ -205,6 +206,7 @@ DIALECTS: dict[str, Written] = {
     "laspy 1.4, offset": Written(".las", lambda: las(6, offset=-1000.0)),
     "laspy, LAZ": Written(".laz", lambda: las(1, packed=True)),
     "laspy, LAZ 1.4": Written(".laz", lambda: las(7, packed=True)),
+    "COPC": Written(".copc.laz", lambda: copc_file(POINTS)[0], is_sorted=True),
     "laspy, a millimetre": Written(".las", lambda: las(0, scale=0.001), coarse_m=0.0005001),
     "PTX": Written(".ptx", ptx),
     "E57": by_path(".e57", e57),

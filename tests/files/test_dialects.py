@@ -33,6 +33,8 @@ def test_the_points_are_those_of_the_plain_ply(tmp_path, name):
     scan = read(tmp_path, name)
     found = scan.points + scan.origin_m
     assert found.shape == POINTS.shape
+    if DIALECTS[name].is_sorted:
+        found[np.lexsort(POINTS.T)] = found[np.lexsort(np.round(found, 6).T)]
     assert np.abs(found - POINTS).max() <= DIALECTS[name].coarse_m
 
 
