@@ -162,6 +162,13 @@ class Doubts:
         """Return the same of a slope, as a tangent: at the front one layer may be seen, at the back the other."""
         return math.sqrt(2.0) * self.layers(plane) / max(depth_m, plane.spacing_m, 1e-3)
 
+    def cover_of_slope(self, plane: LocalPlane, width_m: float) -> float:
+        """Return what a strip that may lie on a part of a surface leaves uncertain of its slope across, as a tangent.
+
+        A strip of thickness t over half of it turns its plane by 3 t / 2 over the width: within k = 2.
+        """
+        return math.sqrt(2.0) * _OF_COVER * plane.cover_m / max(width_m, plane.spacing_m, 1e-3)
+
     def resolution_of_level(self, plane: LocalPlane | None, shape: StepShape) -> float:
         """Return what rounding and the faces of a mesh leave uncertain of a surface's height along a step's nosing."""
         if plane is None:

@@ -287,11 +287,15 @@ class StepMeasurer:
         # Over the width, what one station and the other see is mixed everywhere.
         depth_m = shape.extent[1] - shape.extent[0]
         noise = math.hypot(noise, abs(along[1]) * slope_doubt(shape.plane, depth_m))
-        length_m = math.hypot(along[1] * depth_m, along[2] * (shape.extent[3] - shape.extent[2]))
+        width_m = shape.extent[3] - shape.extent[2]
+        length_m = math.hypot(along[1] * depth_m, along[2] * width_m)
         doubts = {
             "noise": noise,
             "resolution": self._doubts.resolution_of_slope(shape, length_m),
-            "layers": abs(along[1]) * self._doubts.layers_of_slope(shape.plane, depth_m),
+            "layers": math.hypot(
+                along[1] * self._doubts.layers_of_slope(shape.plane, depth_m),
+                along[2] * self._doubts.cover_of_slope(shape.plane, width_m),
+            ),
             "registration": abs(along[1]) * self._context.slope,
         }
         in_degrees = {name: math.degrees(doubt / (1.0 + slope * slope)) for name, doubt in doubts.items()}

@@ -428,6 +428,20 @@ def test_layers_are_in_every_rise_and_slope():
     assert dict(of_scan[0].rise_m.parts)["layers"] == pytest.approx(math.sqrt(2.0) * either, rel=1e-9)
 
 
+def test_a_strip_that_may_lie_on_half_of_a_tread_is_in_its_slope_across():
+    plain = even()
+    covered = [replace(s, plane=replace(s.plane, cover_m=0.01)) for s in plain]
+    for angle in ("cross_fall_deg", "fall_deg"):
+        parts = [
+            dict(getattr(survey_of(shapes).steps[1], angle).parts).get("layers", 0.0) for shapes in (plain, covered)
+        ]
+        assert parts[0] == 0.0
+        # The least squares plane of a step of t in the middle of a width w has the slope 3 t / (2 w).
+        over_m = WIDTH if angle == "cross_fall_deg" else DEPTH
+        assert parts[1] >= math.degrees(1.5 * 0.01 / over_m)
+        assert parts[1] < 2.0 * math.degrees(1.5 * 0.01 / over_m)
+
+
 @pytest.mark.parametrize(
     ("shift", "lengths"),
     [
