@@ -5,6 +5,7 @@ import os
 import stat
 import struct
 import tempfile
+import time
 import tracemalloc
 from pathlib import Path
 
@@ -350,30 +351,38 @@ def test_truncation_at_every_byte(name: str) -> None:
             assert len(points) == n_lines[cut] - n_header + is_begun, cut
 
 
+def read_soon(name: str, content: bytes) -> None:
+    """Read what may be damaged, within seconds of the processor's time: others may have it meanwhile."""
+    began = time.process_time()
+    points_or_none(name, content)
+    # The first time includes the libraries that are imported when they are needed: two seconds.
+    assert time.process_time() - began < 5.0
+
+
 @pytest.mark.parametrize("name", VALID)
-@settings(max_examples=120, deadline=2000)
+@settings(max_examples=120, deadline=None)
 @given(data=st.data())
 def test_flipped_bytes_give_an_error_or_a_scan(name: str, data: st.DataObject) -> None:
     content = bytearray(VALID[name])
     for _ in range(data.draw(st.integers(1, 6))):
         content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
-    points_or_none(name, bytes(content))
+    read_soon(name, bytes(content))
 
 
-@settings(max_examples=150, deadline=2000)
+@settings(max_examples=150, deadline=None)
 @given(name=st.sampled_from(sorted(VALID)), junk=st.binary(max_size=80), at=st.floats(0, 1))
 @example(name="a.xyz", junk=b"\r", at=0.1)
 @example(name="a.pts", junk=b"\x1c", at=0.5)
 def test_inserted_bytes_give_an_error_or_a_scan(name: str, junk: bytes, at: float) -> None:
     content = VALID[name]
     cut = int(at * len(content))
-    points_or_none(name, content[:cut] + junk + content[cut:])
+    read_soon(name, content[:cut] + junk + content[cut:])
 
 
-@settings(max_examples=150, deadline=2000)
+@settings(max_examples=150, deadline=None)
 @given(
     magic=st.sampled_from([b"", b"ply\n", b"ply\nformat ascii 1.0\n", b"# .PCD v0.7\n", b"VERSION 0.7\n", b"3\n"]),
     text=st.text(alphabet='0123456789.,;-+eE xyz\n\r\tnaif#/"_', max_size=60),
 )
 def test_random_text_gives_an_error_or_a_scan(magic: bytes, text: str) -> None:
-    points_or_none("a.xyz", magic + text.encode())
+    read_soon("a.xyz", magic + text.encode())

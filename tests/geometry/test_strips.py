@@ -38,7 +38,7 @@ def test_where_more_of_the_strip_is_seen_at_the_front_its_slope_is_no_step():
         pytest.param(lambda w: -0.008 * np.exp(-(((w - 0.55) / 0.2) ** 2)), id="worn in the middle"),
         pytest.param(lambda w: 0.008 * np.sin(np.pi * w / 1.1), id="arched"),
         pytest.param(lambda w: -0.008 * ((w > 0.3) & (w < 0.8)), id="a channel"),
-        pytest.param(lambda w: 0.03 * (w > 0.5), id="another tread"),
+        pytest.param(lambda w: 0.04 * (w > 0.5), id="another tread"),
         pytest.param(lambda w: 0.002 * ((w > 0.3) & (w < 0.8)), id="thinner than carpet"),
     ],
 )
