@@ -246,12 +246,12 @@ def _parse(name: str, data: bytes, station: str, columns: Sequence[str], part: F
     if known is None and is_archive(data):
         name, data = unpack_scan(data, name, (FOLDER_SUFFIXES, _SCAN_SUFFIXES))
         known = next((each for each in FORMATS if each.fits(data)), None)
-    if known is not None and known.read_part is not None:
-        return known.read_part(data, part)
     if known is not None and known.read_station is not None:
         return known.read_station(data, station)
     if station:
         raise ReadError("is of a format that has no stations; measure it without --station")
+    if known is not None and known.read_part is not None:
+        return known.read_part(data, part)
     if known is not None:
         return known.read(data)
     other = next((name for magic, name in _OTHER_FORMATS.items() if data.startswith(magic)), None)

@@ -129,6 +129,13 @@ def test_a_scan_without_levels_is_read_whole_and_that_is_said(tmp_path, name, is
     assert (len(scan.points) == len(POINTS)) == is_said
 
 
+@pytest.mark.parametrize("name", ["a.las", "a.laz"])
+def test_a_station_of_las_and_copc_is_refused(tmp_path, name):
+    (tmp_path / name).write_bytes(las_file(POINTS) if name == "a.las" else copc_file(POINTS)[0])
+    with pytest.raises(ReadError, match="is of a format that has no stations; measure it without --station"):
+        read_scan(tmp_path / name, "m", station="1")
+
+
 @pytest.mark.parametrize("text", ["1,2,3", "a", "1,1,1,0,2,2", "nan,0,0,1,1,1", "0,0,0,inf,1,1"])
 def test_an_impossible_box_is_refused_before_the_file_is_read(tmp_path, text):
     sentence = r"crop: got .*; give xmin,ymin,zmin,xmax,ymax,zmax in the file's own coordinates"
