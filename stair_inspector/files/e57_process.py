@@ -26,7 +26,8 @@ from stair_inspector.files.raw_cloud import TRUNCATED_HINT, excerpt
 from stair_inspector.geometry.arrays import Colors, Floats
 
 _MOST_LINE_BYTES = 1 << 20
-COMMAND = [sys.executable, "-m", "stair_inspector.files.e57_child"]
+COMMAND = [sys.executable, "-P", "-m", "stair_inspector.files.e57_child"]
+"""Without -P a file json.py in the working folder, beside somebody's scans, would be run."""
 PATIENCE_S = 60.0
 """What the process may wait for the machine, beyond the time of its own that it may take."""
 

@@ -279,6 +279,15 @@ def test_an_end_of_the_library_is_a_sentence_and_the_next_file_is_read(monkeypat
         assert len(read_stations(own, two).points) == 120
 
 
+def test_no_module_of_the_working_folder_is_run(tmp_path, monkeypatch, two):
+    for name in ("json", "numpy", "pye57"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'was_run')!r}, 'w').close()\n")
+    monkeypatch.chdir(tmp_path)
+    with E57Process() as own:
+        assert len(read_stations(own, two).points) == 120
+    assert not (tmp_path / "was_run").exists()
+
+
 def test_a_library_that_runs_on_is_ended(monkeypatch, two):
     monkeypatch.setattr(e57_process, "PATIENCE_S", 0.2)
     monkeypatch.setattr(e57_process, "COMMAND", [sys.executable, "-c", "import time; time.sleep(60)"])

@@ -2,9 +2,11 @@
 
 import dataclasses
 import multiprocessing
+import os
 import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from typing import TypeVar, cast
 
@@ -17,6 +19,7 @@ T = TypeVar("T")
 _Order = tuple[Callable[..., object], tuple[object, ...]]
 _Answer = tuple[str, object]
 
+_SAFE_PATH = "PYTHONSAFEPATH"
 LOOK_S = 0.05
 """How often a waiting inspector is asked whether the result is still wanted."""
 
@@ -109,8 +112,23 @@ class HeavyProcess:
     def _start(self) -> None:
         self._pipe, far_end = self._context.Pipe()
         self._process = self._context.Process(target=_serve, args=(far_end,), name="stair-heavy", daemon=True)
-        self._process.start()
+        with _without_working_folder():
+            self._process.start()
         far_end.close()
+
+
+@contextmanager
+def _without_working_folder() -> Iterator[None]:
+    """Let no process that is started meanwhile look for its modules in the working folder, beside somebody's scans."""
+    before = os.environ.get(_SAFE_PATH)
+    os.environ[_SAFE_PATH] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[_SAFE_PATH]
+        else:
+            os.environ[_SAFE_PATH] = before
 
 
 def _serve(pipe: "Connection[_Answer, _Order]") -> None:

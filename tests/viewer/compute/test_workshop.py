@@ -121,6 +121,20 @@ def test_the_process_returns_what_the_function_returns(heavy):
     assert heavy.run(os.getpid) != os.getpid()
 
 
+def test_the_process_runs_no_module_of_the_working_folder(tmp_path, monkeypatch):
+    for name in ("pickle", "socket"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'was_run')!r}, 'w').close()\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
+    process = HeavyProcess()
+    try:
+        assert process.run(os.getenv, "PYTHONSAFEPATH") == "1"
+        assert "PYTHONSAFEPATH" not in os.environ
+    finally:
+        process.close()
+    assert not (tmp_path / "was_run").exists()
+
+
 def test_the_process_computes_what_this_one_would_and_its_arrays_are_read_only(heavy):
     scan = Stair(noise=0.001).scan()
     normals = heavy.run(find_normals, scan, NormalsParams())
