@@ -66,13 +66,18 @@ def unpack_scan(data: bytes, name: str, suffixes: Sequence[tuple[str, ...]]) -> 
     return inside, unpacked
 
 
+def most_unpacked(n_packed: int) -> int:
+    """Return the bytes that a scan packed into ``n_packed`` may have."""
+    return min(max(LARGEST_GROWTH * n_packed, _LEAST_ALLOWED), _LARGEST_BYTES)
+
+
 def _limited(stream: IO[bytes] | GzipFile, n_packed: int) -> bytes:
     """Return all of a stream, unless it is larger than a scan packed into so many bytes could be."""
-    limit = min(max(LARGEST_GROWTH * n_packed, _LEAST_ALLOWED), _LARGEST_BYTES)
+    limit = most_unpacked(n_packed)
     unpacked = stream.read(limit + 1)
     if len(unpacked) > limit:
         raise ReadError(
-            f"unpacks to more than {limit:,} bytes, {LARGEST_GROWTH} times its size or 4 GiB, as no scan does; "
+            f"unpacks to more than {limit:,} bytes, the most that are read of a packed scan of its size; "
             "unpack it and give the scan itself"
         )
     return unpacked
@@ -80,7 +85,7 @@ def _limited(stream: IO[bytes] | GzipFile, n_packed: int) -> bytes:
 
 def _chosen(members: Sequence[zipfile.ZipInfo], suffixes: Sequence[tuple[str, ...]]) -> zipfile.ZipInfo:
     """Return the one scan among the members of a ZIP."""
-    files = [each for each in members if not each.is_dir() and not _is_of_the_system(each.filename)]
+    files = files_in(members)
     of_kinds = ([each for each in files if each.filename.lower().endswith(kind)] for kind in suffixes)
     scans = files if len(files) == 1 else next(filter(None, of_kinds), [])
     if len(scans) != 1:
@@ -94,6 +99,11 @@ def _chosen(members: Sequence[zipfile.ZipInfo], suffixes: Sequence[tuple[str, ..
     if chosen.compress_type not in _METHODS:
         raise ReadError("is a ZIP archive packed by a method other than deflate; unpack it and give the scan itself")
     return chosen
+
+
+def files_in(members: Sequence[zipfile.ZipInfo]) -> list[zipfile.ZipInfo]:
+    """Return the members of a ZIP that are files, without those that an operating system keeps beside them."""
+    return [each for each in members if not each.is_dir() and not _is_of_the_system(each.filename)]
 
 
 def _is_of_the_system(name: str) -> bool:

@@ -67,9 +67,22 @@ READ = {
     "a.npz": npz(anything=POINTS),
     "packed.npz": npz(np.savez_compressed, other=POINTS[:2], points=POINTS, colors=COLORS),
     "axes.npz": npz(x=X, y=Y, z=Z, red=RED, green=GREEN, blue=BLUE),
+    "rows.npz": npz(points=POINTS.reshape(2, 2, 3), colors=COLORS.reshape(2, 2, 3), labels=X),
+    "axes and colors.npz": npz(x=X, y=Y, z=Z, colors=COLORS),
+    "first of two.npz": npz(np.savez, arr_0=POINTS, arr_1=X),
 }
 """Files of the same points."""
-WITH_COLORS = {"a.ply.gz", "a.zip", "beside.zip", "colors.npy", "fields.npy", "packed.npz", "axes.npz"}
+WITH_COLORS = {
+    "a.ply.gz",
+    "a.zip",
+    "beside.zip",
+    "colors.npy",
+    "fields.npy",
+    "packed.npz",
+    "axes.npz",
+    "rows.npz",
+    "axes and colors.npz",
+}
 
 
 @pytest.mark.parametrize("name", READ)
@@ -94,7 +107,7 @@ LYING = npy(POINTS).replace(b"(4, 3), }          ", b"(999999999999, 3), }")
 BAD = {
     "bomb.gz": (gzip.compress(BOMB), "unpacks to more than"),
     "bomb.zip": (zipped(a__xyz=BOMB), "unpacks to more than"),
-    "bomb.npz": (npz(np.savez_compressed, a=np.zeros(3_000_000)), "unpacks to more than 200 times its size"),
+    "bomb.npz": (npz(np.savez_compressed, a=np.zeros(3_000_000)), "the most that are read of an NPZ of its size"),
     "two.zip": (zipped(a__ply=PLY, b__xyz=LINES), "holds 2 scans (a.ply, b.xyz); unpack it"),
     "many.zip": (zipped(**{f"a{k}__ply": PLY for k in range(9)}), "a4.ply and 4 more)"),
     "none.zip": (zipped(a__md="a", b__png="b"), "holds no scan (a.md, b.png); unpack it"),
@@ -119,7 +132,21 @@ BAD = {
     "named.npy": (npy(fields(x=X, y=Y)), "has no z"),
     "numbered.npy": (npy(np.hstack([np.arange(40.0)[:, None], np.ones((40, 3)) / 3])), "numbers the lines"),
     "several.npz": (npz(a=X, b=POINTS), "holds several arrays (a, b), none of them called points"),
-    "uneven.npz": (npz(x=X, y=Y, z=Z[:2]), "of different lengths"),
+    "uneven.npz": (npz(x=X, y=Y, z=Z[:2]), "of different shapes"),
+    "two without names.npz": (npz(arr_0=POINTS * 0.0 + 1.0, arr_1=POINTS), "may be the points (arr_0, arr_1)"),
+    "two with names.npz": (npz(points=POINTS[:2], vertices=POINTS), "may be the points (points, vertices)"),
+    "axes and points.npz": (npz(x=X, y=Y, z=Z, points=POINTS), "may be the points (x y z, points)"),
+    "cases.npz": (npz(points=POINTS, POINTS=POINTS), "has two arrays called 'points'"),
+    "words.npz": (npz(x=X.astype("U8"), y=Y, z=Z), "has 'x' of <U8 instead of numbers"),
+    "truths.npz": (npz(x=X > 0, y=Y, z=Z), "has 'x' of bool instead of numbers"),
+    "times.npz": (npz(x=X.astype("datetime64[s]"), y=Y, z=Z), "has 'x' of datetime64[s] instead of numbers"),
+    "colors.npz": (npz(points=POINTS, colors=np.full(POINTS.shape, "a")), "has 'colors' of <U1 instead of numbers"),
+    "normals.npz": (npz(points=POINTS, normals=POINTS * 1j), "has 'normals' of complex128 instead of numbers"),
+    "cases.npy": (npy(fields(X=X, x=X, y=Y, z=Z)), "has two fields called 'x'"),
+    "complex field.npy": (npy(fields(x=X * 1j, y=Y, z=Z)), "has 'x' of complex128 instead of numbers"),
+    "axes.npy": (npy(POINTS[:1].reshape((1,) * 30 + (3,))), "is an array of 31 axes"),
+    "depth.npy": (npy(np.ones((48, 65))), "is an array of shape (48, 65)"),
+    "npy first.zip": (zipped(a__npy=npy(POINTS), b__ply=PLY), "holds 2 scans (a.npy, b.ply)"),
     "cut.npz": (npz(a=POINTS)[:-30], "is a damaged NPZ"),
 }
 
