@@ -270,7 +270,7 @@ class Params:
     station: Annotated[
         str,
         Setting("Station", place="scene").says(
-            "Name, or number from 1 on, of the one station that is measured; '' takes all together."
+            "Name, or number as #2, of the one station that is measured; '' takes all together."
         ),
     ] = ""
     columns: Annotated[

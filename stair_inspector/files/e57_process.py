@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from stair_inspector.errors import ReadError
 from stair_inspector.files.e57_child import CPU_BYTES_PER_S
 from stair_inspector.files.raw_cloud import TRUNCATED_HINT, excerpt
+from stair_inspector.files.raw_stations import NAME_CHARACTERS
 from stair_inspector.geometry.arrays import Colors, Floats
 
 _MOST_LINE_BYTES = 1 << 20
@@ -103,7 +104,7 @@ class E57Process:
         answer = self._ask(order="open", path=self._path, n_bytes=len(data))
         self._stations = [
             E57Station(
-                excerpt(told["name"]),
+                excerpt(told["name"], NAME_CHARACTERS),
                 told["count"],
                 None if told["place"] is None else np.array(told["place"]),
                 None if told["steps"] is None else np.array(told["steps"]),

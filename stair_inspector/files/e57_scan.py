@@ -12,7 +12,7 @@ import numpy as np
 from stair_inspector.errors import ReadError
 from stair_inspector.files.e57_process import E57Block, E57Process, E57Station
 from stair_inspector.files.raw_cloud import READ_STAGE, TRUNCATED_HINT, RawCloud, ScanFormat
-from stair_inspector.files.raw_stations import RawStations, find_station, stations_note
+from stair_inspector.files.raw_stations import RawStations, find_station, short_name, stations_note
 from stair_inspector.geometry.arrays import Colors, Floats, Labels
 from stair_inspector.model import Note
 
@@ -68,7 +68,7 @@ def read_stations(process: E57Process, data: bytes, station: str = "") -> RawClo
     chosen = [find_station(names, station)] if station else list(range(len(found)))
     wanted = [k for k in chosen if found[k].count]
     if not wanted:
-        which = f"its station '{names[chosen[0]]}' holds" if station else "holds"
+        which = f"its station '{short_name(names[chosen[0]])}' holds" if station else "holds"
         raise ReadError(f"{which} no points with coordinates; export the scan again")
     gathered = _Gathered(found, wanted)
     for block in process.read(wanted):
@@ -104,7 +104,12 @@ class _Gathered:
         """Return all that was taken."""
         stations, n = self._stations, self._n
         if not n:
-            raise ReadError(f"marks all of its {self._n_stated:,} points as invalid; export the scan again")
+            whose = (
+                f"its station '{short_name(stations[chosen[0]].name)}'"
+                if len(chosen) < len(stations)
+                else "its stations"
+            )
+            raise ReadError(f"marks all {self._n_stated:,} points of {whose} as invalid; export the scan again")
         of_point = self._of_point[:n]
         counts = np.bincount(of_point, minlength=len(stations))
         names = tuple(each.name for each in stations)

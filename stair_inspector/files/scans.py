@@ -142,7 +142,7 @@ def read_scan(
         Unit of the file's coordinates; ``auto`` takes that of the format, or decides by the stair that comes out, see
         :func:`stair_inspector.stages.units.decide_unit`.
     station : str
-        Name or number, from 1 on, of the station to be read of several; '' takes all together.
+        Name of the station to be read of several, or its number as ``#2``; '' takes all together.
     columns : str
         What the columns of a text are, as ``-,x,y,z``; see :func:`stair_inspector.columns.parse_columns`. Other formats
         name their own.

@@ -20,6 +20,7 @@ from stair_inspector.stages.station_layers import FEWEST_LABELLED, is_along, tel
 from stair_inspector.stages.station_motion import distance_apart, fit_motion
 
 _MOST_POINTS, _MOST_FOR_MEANS = 300_000, 100_000
+_NAME_CHARACTERS = 60
 _MOST_NAMES = 5
 _REMEDY = (
     "register the stations once more, cloud to cloud against floor and walls; to measure the file as it is: "
@@ -204,7 +205,7 @@ def _observe(laid: LaidStations, stations: ScanStations | None) -> Observation:
     size_m = max(float(np.linalg.norm(motion.shift)) for motion in laid.motions)
     which = f"the file holds stations {size_text(size_m)} apart, one after the other"
     if stations is not None:
-        names = ", ".join(f"'{stations.names[k]}'" for k in laid.stations[:_MOST_NAMES])
+        names = ", ".join(f"'{stations.names[k][:_NAME_CHARACTERS]}'" for k in laid.stations[:_MOST_NAMES])
         more = f" and {len(laid.stations) - _MOST_NAMES} more" * (len(laid.stations) > _MOST_NAMES)
         one = len(laid.stations) == 1
         which = (

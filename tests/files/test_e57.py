@@ -15,6 +15,7 @@ from stair_inspector.files import e57_process
 from stair_inspector.files.e57_process import E57Process
 from stair_inspector.files.e57_scan import read_e57, read_stations
 from stair_inspector.files.ply import ply_bytes
+from stair_inspector.files.raw_stations import asked_as, find_station
 from stair_inspector.files.scans import FOLDER_SUFFIXES, read_scan
 from tests.files.test_mesh_damage import damaged
 from tests.files.test_scan_damage import check_form
@@ -78,7 +79,7 @@ def test_stations_are_laid_where_their_poses_say(tmp_path, two):
     assert (scan.unit, scan.colors, scan.stated_steps_m) == ("m", None, None)
 
 
-@pytest.mark.parametrize("wanted", ["Landing", "landing", "2", " 2 "])
+@pytest.mark.parametrize("wanted", ["Landing", "landing", "2", " 2 ", "#2"])
 def test_one_station_is_chosen_by_name_or_number(tmp_path, two, wanted):
     scan = read(tmp_path, two, station=wanted)
     assert np.abs(scan.points + scan.origin_m - SECOND - GRID).max() < 2e-9
@@ -89,9 +90,10 @@ def test_one_station_is_chosen_by_name_or_number(tmp_path, two, wanted):
 
 def test_a_station_that_is_not_there_is_a_sentence(tmp_path, two):
     for wanted, words in (
-        ("Roof", r"has no station 'Roof'; it has 'Hall', 'Landing': give a name, or a number from 1 on"),
+        ("Roof", r"has no station 'Roof'; it has 'Hall', 'Landing': give a name, or a number as #1"),
         ("3", "has no station '3'"),
         ("0", "has no station '0'"),
+        ("#0", "has no station '#0'"),
         ("9" * 5000, "has no station '9999999999999999999999999999999999999999...'"),
     ):
         with pytest.raises(ReadError, match=words) as caught:
@@ -104,10 +106,27 @@ def test_a_station_that_is_not_there_is_a_sentence(tmp_path, two):
 def test_stations_of_one_name_are_told_by_number(folder, process):
     points = doubles(XYZ, FIRST)
     content = e57_bytes(folder / "twins.e57", station(points, "A"), station(points, "A"), station(points, "2"))
-    with pytest.raises(ReadError, match="several stations named 'A'; give the number of one, 1 and 2"):
+    with pytest.raises(ReadError, match="several stations named 'A'; give the number of one, #1 and #2"):
         read_stations(process, content, "A")
-    # A name counts before a number.
+    # A name counts before a number, unless that is written as one.
     assert set(read_stations(process, content, "2").stations.of_point) == {2}
+    assert set(read_stations(process, content, "#2").stations.of_point) == {1}
+
+
+@pytest.mark.parametrize(
+    "names",
+    [("2", "A", "A"), ("1", "2", "1", "2"), ("#2", "#1", "A"), ("Flur", "flur", "Fl\u00fcr", "Flu\u0308r"), ("2", "1")],
+)
+def test_every_station_is_found_by_what_the_menu_asks_for_and_by_its_number(names):
+    assert [find_station(names, asked) for asked in asked_as(names)] == list(range(len(names)))
+    assert [find_station(names, f"#{k + 1}") for k in range(len(names))] == list(range(len(names)))
+
+
+def test_a_name_is_found_however_its_accents_are_encoded_and_however_long_it_is(folder, process):
+    points, long = doubles(XYZ, FIRST), "Treppenhaus " + "x" * 60
+    content = e57_bytes(folder / "a.e57", *(station(points, name) for name in (long + "1", long + "2", "S\u00fcd")))
+    assert set(read_stations(process, content, long + "2").stations.of_point) == {1}
+    assert set(read_stations(process, content, "Su\u0308d").stations.of_point) == {2}
 
 
 def test_more_points_than_a_block(folder, process):
@@ -129,8 +148,11 @@ def test_invalid_points_are_dropped_and_counted(folder, process):
         "20 of 50 points dropped: the file marks them as invalid",
     ]
     none = whole(["cartesianInvalidState"], np.full((50, 1), 2), 0, 2)
-    with pytest.raises(ReadError, match="marks all of its 50 points as invalid"):
+    with pytest.raises(ReadError, match="marks all 50 points of its stations as invalid"):
         read_stations(process, e57_bytes(folder / "a.e57", station(doubles(XYZ, FIRST) | none)))
+    both = e57_bytes(folder / "a.e57", station(doubles(XYZ, FIRST)), station(doubles(XYZ, FIRST) | none, "Hall"))
+    with pytest.raises(ReadError, match="marks all 50 points of its station 'Hall' as invalid"):
+        read_stations(process, both, "Hall")
 
 
 def test_spherical_coordinates(folder, process):
@@ -200,7 +222,7 @@ def test_other_fields_and_other_names_are_left_alone(folder, process):
     content = e57_bytes(folder / "a.e57", *(station(doubles(XYZ, FIRST) | more, name) for name in names))
     raw = read_stations(process, content)
     assert np.array_equal(raw.points, np.concatenate([FIRST, FIRST]))
-    assert raw.stations.names == ("Aufnahme Süd", "x" * 60 + "...")
+    assert raw.stations.names == ("Aufnahme Süd", "x" * 200)
 
 
 # --- what is wrong with a file ---

@@ -1,8 +1,7 @@
 """Measuring one station of a scan that holds several."""
 
-from collections import Counter
-
-from stair_inspector.errors import one_of
+from stair_inspector.errors import ReadError, one_of
+from stair_inspector.files.raw_stations import asked_as, find_station
 from stair_inspector.viewer.bridge.widgets import offer
 from stair_inspector.viewer.parts.part import Context
 
@@ -27,11 +26,14 @@ class StationMenu:
     def show(self) -> None:
         """Offer the stations of the scan that is shown, with the one that is asked for."""
         options, asked = self._options(), self._editor.work.params.station
-        label = next((label for label, station in options.items() if station == asked), None)
-        if label is None:
-            # It is named by its number, or the file that is shown does not have it.
-            label = next((label for k, label in enumerate(options) if k and str(k) == asked.strip()), asked)
-            options.setdefault(label, asked)
+        label = ALL
+        if asked:
+            try:
+                label = list(options)[1 + find_station(self._names(), asked)]
+            except ReadError:
+                # The file that is shown does not have it.
+                label = asked
+                options.setdefault(label, asked)
         self.menu.visible = len(options) > 2 or asked != ""
         offer(self.menu, tuple(options), label)
 
@@ -46,14 +48,12 @@ class StationMenu:
                 lambda params: params.replaced("station", station), f"station {label}" if station else "all stations"
             )
 
-    def _options(self) -> dict[str, str]:
-        """Return what the menu says of each station, and what names it in the settings: a name, or else a number."""
+    def _names(self) -> tuple[str, ...]:
         shown = self._desk.shown
-        stations = None if shown is None else shown.scan.stations
-        names = () if stations is None else stations.names
-        often = Counter(name.casefold() for name in names)
-        options = {ALL: ""}
-        for number, name in enumerate(names, start=1):
-            is_clear = often[name.casefold()] == 1 and name == name.strip()
-            options[f"{number}: {name[:_SHOWN_CHARACTERS]}"] = name if is_clear else str(number)
-        return options
+        return () if shown is None or shown.scan.stations is None else shown.scan.stations.names
+
+    def _options(self) -> dict[str, str]:
+        """Return what the menu says of each station, and what names it in the settings."""
+        names = self._names()
+        labels = [f"{number}: {name[:_SHOWN_CHARACTERS]}" for number, name in enumerate(names, start=1)]
+        return {ALL: ""} | dict(zip(labels, asked_as(names), strict=True))
