@@ -15,10 +15,13 @@ from stair_inspector.files.raw_cloud import (
     cut_note,
     excerpt,
 )
+from stair_inspector.files.text_columns import AXES
 from stair_inspector.files.text_dialect import REMARKS, has_two_readings
 from stair_inspector.files.text_head import read_head, unclear_columns
-from stair_inspector.files.text_table import TextTable, find_table
+from stair_inspector.files.text_table import TextTable, find_table, lines_of
+from stair_inspector.files.text_thousands import may_part_thousands, thousands_in
 from stair_inspector.files.unnamed_columns import cloud_without_names
+from stair_inspector.geometry.arrays import Floats
 
 _BOM = b"\xef\xbb\xbf"
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
@@ -59,7 +62,8 @@ def read_text(data: bytes, columns: Sequence[str] = ()) -> RawCloud:
         It is not certain which columns are x, y and z.
     ReadError
         Binary data, a line with another number of columns or something that is not a number, commas that may part
-        numbers or decimals, another number of lines than the first line states, fewer than three columns.
+        numbers or decimals, marks that part thousands, another number of lines than the first line states, fewer than
+        three columns.
     """
     if data.startswith(_UTF16):
         raise ReadError("is UTF-16 text; save it as UTF-8")
@@ -84,6 +88,7 @@ def read_text(data: bytes, columns: Sequence[str] = ()) -> RawCloud:
     clean = None if dialect.is_plain and not has_remarks else dialect.clean
     lines = NumberLines(data, table.start, len(names), separator=separator, ignored=ignored, clean=clean)
     values, _, is_cut = lines.parse()
+    _check_thousands(data, table, names, values)
     if head.count is not None and head.count != len(values):
         hint = TRUNCATED_HINT if len(values) < head.count else "correct the count or export the scan again"
         raise ReadError(f"its first line states {head.count} points but {len(values)} follow; {hint}")
@@ -96,6 +101,24 @@ def read_text(data: bytes, columns: Sequence[str] = ()) -> RawCloud:
         numbers = [k for k in range(len(names)) if k not in ignored]
         cloud = cloud_without_names(values[:, numbers], notes, unclear)
     return replace(cloud, unit=head.unit)
+
+
+def _check_thousands(data: bytes, table: TextTable, names: Sequence[str], values: Floats) -> None:
+    """Raise ReadError where marks that part thousands in coordinates were read as decimals."""
+    numbers = [k for k, name in enumerate(names) if name]
+    places = [names.index(axis) for axis in AXES] if set(AXES) <= set(names) else numbers[:3]
+    if not may_part_thousands([values[:, k] for k in places]):
+        return
+    lines = filter(None, map(table.dialect.clean, (line.text for line in lines_of(data, table.start))))
+    separator = table.dialect.separator
+    rows = (line.split(separator) for line in lines)
+    found = thousands_in([row[k].strip() for k in places] for row in rows)
+    if found is not None:
+        shown = found.replace(b".", b",") if table.dialect.has_decimal_commas else found
+        raise ReadError(
+            f"seems to part the thousands of its coordinates ('{excerpt(shown)}' beside whole numbers without a mark); "
+            "export the scan without marks between thousands"
+        )
 
 
 def _numbers_alone(table: TextTable) -> tuple[str, ...]:

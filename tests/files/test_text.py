@@ -169,6 +169,26 @@ def test_text_that_is_refused(tmp_path, content, words):
     assert words in str(caught.value)
 
 
+THOUSANDS = ((1098, 950, 170), (2950, 1000, 0), (999, -1001, 340))
+
+
+@pytest.mark.parametrize("columns", ["auto", "x,y,z"])
+@pytest.mark.parametrize(
+    ("mark", "separator", "quote"), [(",", ",", '"'), (",", "\t", ""), (".", ";", ""), (",", ";", ""), (".", " ", "")]
+)
+def test_marks_between_thousands_are_no_decimals(tmp_path, mark, separator, quote, columns):
+    cells = [[f"{value:,}".replace(",", mark) for value in row] for row in THOUSANDS]
+    quoted = [[f"{quote}{cell}{quote}" if mark in cell else cell for cell in row] for row in cells]
+    content = "".join(separator.join(row) + "\n" for row in quoted)
+    shown = cells[0][0]
+    with pytest.raises(ReadError, match=rf"part the thousands of its coordinates \('{shown}' beside whole"):
+        read(tmp_path, content, columns)
+    # Metres to the millimetre have the mark in every cell, and metres without trailing zeros fewer digits somewhere.
+    metres = "".join(f"{x / 1000:.3f}\t{y / 1000:.3f}\t{z / 1000:.3f}\n" for x, y, z in THOUSANDS)
+    for readable in (metres, metres.replace("0.170", "1.700"), "1.125 2 3\n2 3.5 1\n", "1.125 2 3\n4 2 1000\n"):
+        assert len(read(tmp_path, readable, columns).points) in (2, 3)
+
+
 @pytest.mark.parametrize("columns", ["x,y", "x,y,z,x", "x,y,z,w", "x;y;z", "-", "x,y,z,r,g,b,red", "x" * 5000])
 def test_impossible_columns_are_a_sentence(columns):
     with pytest.raises(ConfigError, match=r"columns: got .* name x, y and z once each"):
