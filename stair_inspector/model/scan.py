@@ -148,7 +148,8 @@ class Examination:
     shifts of doubled surfaces against each other, scan axes, each along what faces one way. ``is_thinned`` says that
     the points fill a lattice of these steps, one in each cell; ``is_view`` that the scan was taken from its origin in
     one direction, as a camera's frame is; ``hints_m`` (h, 3) are such shifts of which surfaces
-    alone tell too little; ``moved`` says which points were laid onto the others; ``facet_m`` is the scan's.
+    alone tell too little; ``moved`` says which points were laid onto the others; ``facet_m`` is the scan's;
+    ``is_by_order`` says that no two layers show, but that means change in the order of the points.
     """
 
     observations: tuple[Observation, ...]
@@ -159,3 +160,4 @@ class Examination:
     hints_m: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     moved: Moved | None = None
     facet_m: float | None = None
+    is_by_order: bool = False

@@ -13,7 +13,7 @@ from stair_inspector.stages.camera_frames import is_view
 from stair_inspector.stages.coordinate_steps import CoordinateSteps, find_steps
 from stair_inspector.stages.copies import find_mirrored_copy, find_shifted_copy
 from stair_inspector.stages.density import find_spacing
-from stair_inspector.stages.layers import LEAST_STEPS, SAME_WAY, DoubledWay, find_ways
+from stair_inspector.stages.layers import LEAST_STEPS, SAME_WAY, DoubledWay, find_ways, is_stated
 from stair_inspector.stated_uncertainty import UncertaintyParams
 from stair_inspector.units import METRES_PER_UNIT
 
@@ -132,16 +132,22 @@ def with_questions(observations: tuple[Observation, ...], stated: UncertaintyPar
         Of a scan.
     stated : UncertaintyParams
         A registration that allows for half of what lies between the two answers the question: both may be wrong by it.
+        What the order of the points alone shows is left to a registration of a sixth of it.
     """
+    left = (each for each in observations if not (each.code == "doubled_by_order" and _is_stated(each, stated)))
     return tuple(
         replace(found, level="question", cure=f"{_answer_to(found.size_m)}, or: {found.cure}")
-        if found.code in ("surfaces_doubled", "cloud_copied")
+        if found.code in ("surfaces_doubled", "doubled_by_order", "cloud_copied")
         and found.size_m is not None
         and _TORN_M <= found.size_m <= _NEAR_COPY_M
         and stated.registration_m < _answering_m(found.size_m)
         else found
-        for found in observations
+        for found in left
     )
+
+
+def _is_stated(found: Observation, stated: UncertaintyParams) -> bool:
+    return found.size_m is not None and is_stated(found.size_m, stated.registration_m)
 
 
 def _answering_m(apart_m: float) -> float:

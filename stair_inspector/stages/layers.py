@@ -14,6 +14,8 @@ _FEWEST_IN_CELL = 40
 _CLEARLY_FLAT, _FLAT = 0.5, 0.8
 """Scatter across a surface, as a share of the lesser one along it. Two layers 60 mm apart still count as flat; so do
 many cells at edges, which therefore do not count as single where they are not double."""
+_OF_STATED = 6.0
+"""Passes lie apart by so many times what registration leaves from one step to the next: every step is seen by all."""
 SAME_WAY = 0.985
 """Cosine of 10 degrees: the cells of surfaces that face one way."""
 _MOST_WAYS = 3
@@ -69,6 +71,11 @@ class Split:
     apart_m: Floats
     is_double: Bools
     offset_m: Floats
+
+
+def is_stated(apart_m: float, registration_m: float) -> bool:
+    """Return whether passes may lie so far apart by the registration (k = 1) that the user states of the scanner."""
+    return apart_m <= _OF_STATED * registration_m
 
 
 def find_doubled(points: Floats, steps_m: Floats, stations: ScanStations | None = None) -> tuple[DoubledWay, ...]:

@@ -41,12 +41,15 @@ _ROUNDS = 50
 class OrderShift:
     """Which points (n,) are of stations that lie lower along a unit ``normal`` (3,), as the order of the points shows.
 
-    ``is_two`` says that there are two groups of stations, each in one place, and that it is known where each begins.
+    ``is_two`` says that there are two groups of stations, each in one place, ``is_told`` that it is known where each
+    begins. ``noise_m`` is the standard deviation of single points.
     """
 
     normal: Floats
     is_low: Bools
     is_two: bool
+    is_told: bool
+    noise_m: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,12 +94,14 @@ def find_order_shift(points: Floats, cells: Cells, ways: list[tuple[Floats, Ints
     segmentation. Where one station passes over a cell it does so at once, so that what surfaces are like adds nothing.
     """
     best: tuple[float, OrderShift] | None = None
-    for normal, members in ways:
-        row = _row_of(cells, normal, members)
+    rows = [_row_of(cells, normal, members) for normal, members in ways]
+    # Where cells hold a corner, what they are off a plane is no noise: the flattest surfaces tell that.
+    noise_m = min((row.sigma_m for row in rows), default=0.0)
+    for row, (normal, _) in zip(rows, ways, strict=True):
         found = _change(row, 0, len(row.rows))
         if found is not None and (best is None or found.sure > best[0]):
             cuts = _cuts(row, 0, len(row.rows), _MOST_PARTS, _OF_LARGEST * found.apart_m)
-            shift = _grouped(points, stride, row, cuts, normal)
+            shift = _grouped(points, stride, row, cuts, normal, noise_m)
             best = best if shift is None else (found.sure, shift)
     return None if best is None else best[1]
 
@@ -158,7 +163,9 @@ def _cuts(row: _Row, begin: int, end: int, most: int, least_m: float) -> list[_C
     return [*before, found, *_cuts(row, found.first, end, most // 2, least_m)]
 
 
-def _grouped(points: Floats, stride: int, row: _Row, cuts: list[_Change], normal: Floats) -> OrderShift | None:
+def _grouped(
+    points: Floats, stride: int, row: _Row, cuts: list[_Change], normal: Floats, noise_m: float
+) -> OrderShift | None:
     """Put the parts between cuts in two groups, by their offsets along the normal."""
     of = np.searchsorted(np.array([cut.first for cut in cuts]), np.arange(len(row.rows)), side="right")
     offsets = np.zeros(len(cuts) + 1)
@@ -185,5 +192,5 @@ def _grouped(points: Floats, stride: int, row: _Row, cuts: list[_Change], normal
         begin = end
     of_point[begin:] = is_low[-1]
     is_two = spread <= _ONE_STATION * float(ordered[widest + 1] - ordered[widest])
-    is_two &= n_untold <= _MOST_UNTOLD * len(points)
-    return OrderShift(normal, freeze(of_point), is_two)
+    is_told = n_untold <= _MOST_UNTOLD * len(points)
+    return OrderShift(normal, freeze(of_point), is_two, is_told, noise_m)

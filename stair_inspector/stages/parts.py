@@ -19,6 +19,7 @@ from stair_inspector.stages.doubt import (
     thinning_doubt,
     view_doubt,
 )
+from stair_inspector.stages.layers import is_stated
 from stair_inspector.stated_uncertainty import UncertaintyParams
 
 _OF_COVER = 0.6
@@ -50,6 +51,10 @@ class Common:
     def of(cls, up: Up, doubts: UncertaintyParams, level_from_scan: Floats, examined: Examination | None) -> "Common":
         """Return what the user states about a scan, and what was found about it before it was measured."""
         moved = None if examined is None else examined.moved
+        layers_m = np.zeros((0, 3)) if examined is None else examined.layers_m
+        if examined is not None and examined.is_by_order:
+            sizes_m = np.linalg.norm(layers_m, axis=1)
+            layers_m = layers_m[[not is_stated(float(size_m), doubts.registration_m) for size_m in sizes_m]]
         return cls(
             up_rad=math.radians(math.hypot((up.u_deg or 0.0) / 2.0, doubts.up_deg)),
             registration_m=doubts.registration_m,
@@ -59,7 +64,7 @@ class Common:
             scale=doubts.scale_percent / 100.0,
             scan_from_level=level_from_scan.T,
             steps_m=np.zeros(3) if examined is None else examined.steps_m,
-            layers_m=np.zeros((0, 3)) if examined is None else examined.layers_m @ level_from_scan.T,
+            layers_m=layers_m @ level_from_scan.T,
             aside_m=np.zeros((0, 3)) if moved is None else moved.unheld_m @ level_from_scan.T,
             is_thinned=examined is not None and examined.is_thinned,
             is_view=examined is not None and examined.is_view,

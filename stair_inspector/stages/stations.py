@@ -14,13 +14,15 @@ from stair_inspector.model import Examination, Moved, Observation, Scan, ScanSta
 from stair_inspector.params import Method, Stations
 from stair_inspector.stages.examine import CURES, size_text
 from stair_inspector.stages.known_stations import MOST_APART_M, LaidStations, lay_stations
-from stair_inspector.stages.layers import Cells, find_ways, sight_of
+from stair_inspector.stages.layers import LEAST_STEPS, Cells, find_ways, sight_of
 from stair_inspector.stages.order_shifts import LEAST_APART_M, find_order_shift, flat_ways
 from stair_inspector.stages.station_layers import FEWEST_LABELLED, is_along, tell_stations
 from stair_inspector.stages.station_motion import distance_apart, fit_motion
 
 _MOST_POINTS, _MOST_FOR_MEANS = 300_000, 100_000
 _NAME_CHARACTERS = 60
+_FILLED_SIGMAS = 6.0
+"""Layers so many standard deviations of their points apart are told from each other by eye."""
 _MOST_NAMES = 5
 _REMEDY = (
     "register the stations once more, cloud to cloud against floor and walls; to measure the file as it is: "
@@ -95,13 +97,17 @@ def _laid_by_means(scan: Scan, examined: Examination, *, is_left: bool) -> tuple
     apart_m = distance_apart(cut.cells, way, is_low, float(examined.steps_m.max()))
     if apart_m is None or abs(apart_m) < LEAST_APART_M:
         return scan, examined
+    # Layers farther apart than noise or rounding can fill would show: then it is two surfaces, no two stations.
+    if abs(apart_m) > max(_FILLED_SIGMAS * shift.noise_m, LEAST_STEPS * float(examined.steps_m.max())):
+        return scan, examined
     shifts_m = (apart_m * shift.normal)[None]
-    is_shown = not is_left and shift.is_two and not _is_told(scan)
+    is_shown = not is_left and shift.is_two and shift.is_told and not _is_told(scan)
     laid = _laid(scan, examined, shifts_m, cut, shift.is_low) if is_shown else None
-    if laid is not None or len(examined.layers_m):
+    # Many places are the path of a scanner that is carried: what its drift leaves, its preset states.
+    if laid is not None or len(examined.layers_m) or not shift.is_two:
         return laid or (scan, examined)
     observations = (*examined.observations, _observe_means(abs(apart_m)))
-    return scan, replace(examined, observations=observations, layers_m=freeze(shifts_m))
+    return scan, replace(examined, observations=observations, layers_m=freeze(shifts_m), is_by_order=True)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -225,4 +231,4 @@ def _observe_means(apart_m: float) -> Observation:
         f"surfaces are double, {size_text(apart_m)} apart: noise or rounding fills the gap, but in the order of the "
         "points their mean changes by so much; stations that do not lie over each other"
     )
-    return Observation("surfaces_doubled", "doubt", message, apart_m, CURES["surfaces_doubled"])
+    return Observation("doubled_by_order", "doubt", message, apart_m, CURES["surfaces_doubled"])

@@ -8,6 +8,7 @@ import pytest
 
 from stair_inspector.content.segmented_points import residuals_at
 from stair_inspector.memo import Memo
+from stair_inspector.model import Up
 from stair_inspector.params import Params
 from stair_inspector.pictures.display import choose_display
 from stair_inspector.pipeline import inspect
@@ -15,9 +16,12 @@ from stair_inspector.simulation.scanner import scan as scan_building
 from stair_inspector.simulation.scanner_specs import PROFILES
 from stair_inspector.simulation.specs import Stair
 from stair_inspector.simulation.staircase import build
-from stair_inspector.stages.examine import examine
+from stair_inspector.stages.examine import examine, with_questions
+from stair_inspector.stages.parts import Common
 from stair_inspector.stages.stations import join_stations
+from stair_inspector.stated_uncertainty import UncertaintyParams
 from stair_inspector.viewer.scene.picking import pick_of
+from tests.stages.test_order_shifts import level_points
 from tests.synthetic import make_scan, rotation
 
 STAIR = Stair(n_risers=6, rise_m=0.17, going_m=0.29, width_m=1.1, floor_front_m=2.0, upper_landing_m=1.4)
@@ -208,7 +212,7 @@ def test_stations_apart_are_laid_where_rounding_fills_the_gap():
     assert np.median(off_m) == pytest.approx(-0.012, abs=0.001)
     left, as_read = join_stations(scan, examined, "as_read")
     assert left is scan
-    assert [each.code for each in as_read.observations] == ["coordinates_rounded", "surfaces_doubled"]
+    assert [each.code for each in as_read.observations] == ["coordinates_rounded", "doubled_by_order"]
 
 
 def test_where_noise_fills_the_gap_and_too_few_points_tell_where_a_station_begins_u_holds_it():
@@ -217,7 +221,7 @@ def test_where_noise_fills_the_gap_and_too_few_points_tell_where_a_station_begin
     assert examined.observations == ()
     assert laid is scan
     (said,) = now.observations
-    assert (said.code, said.level) == ("surfaces_doubled", "doubt")
+    assert (said.code, said.level) == ("doubled_by_order", "doubt")
     assert said.size_m == pytest.approx(0.012, abs=0.001)
     assert np.abs(now.layers_m) == pytest.approx(np.array([[0.0, 0.0, 0.012]]), abs=0.001)
 
@@ -271,3 +275,34 @@ def test_a_station_that_leans_as_levelling_leaves_it_is_left_to_the_uncertainty_
     scan, examined, laid, now = joined(apart((0.0, 0.0, 0.0), turn) + noise_m)
     assert laid is scan
     assert now is examined
+
+
+def test_what_the_presets_registration_states_is_not_said_again():
+    noise_m = np.random.default_rng(5).normal(0.0, 0.005, apart().shape)
+    now = joined(apart() + noise_m)[3]
+    assert now.is_by_order
+    said = {
+        stated_m: with_questions(now.observations, UncertaintyParams(registration_m=stated_m))
+        for stated_m in (0.0, 0.001, 0.004)
+    }
+    assert [[each.code for each in found] for found in said.values()] == [
+        ["doubled_by_order"],
+        ["doubled_by_order"],
+        [],
+    ]
+    layers = [
+        len(
+            Common.of(
+                Up(np.array([0.0, 0.0, 1.0]), "given", None), UncertaintyParams(registration_m=stated_m), np.eye(3), now
+            ).layers_m
+        )
+        for stated_m in said
+    ]
+    assert layers == [1, 1, 0]
+
+
+def test_the_path_of_a_scanner_that_is_carried_is_no_two_stations():
+    # Three places are drift; what the means say of it is left to the preset.
+    scan = make_scan(level_points((0.0, 0.01, 0.02)))
+    examined = examine(scan)
+    assert join_stations(scan, examined, "auto") == (scan, examined)
