@@ -4,17 +4,27 @@ Only exact copies are told, number by number: two scans of one object never agre
 left-handed cannot be seen in it.
 """
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from stair_inspector.geometry.arrays import Bools, Floats
+from stair_inspector.geometry.arrays import Bools, Floats, Ints
 from stair_inspector.model import Scan
 from stair_inspector.stages.coordinate_steps import FLOAT32
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 _AROUND_M = 0.1
 """A copy that is shifted farther is another object to the eye, and is seen."""
 _ANCHORS = 8
 _MOST_AROUND = 3000
 _LEAST_ANCHORS = 5
+_SHARED = 2
+"""Of the anchors that a shift comes from, which agree by themselves."""
+_BESIDE = (3.0, 6.0)
+"""How far beside a shift, in tolerances, others of the same cloud show how many anchors agree by chance."""
 _LEAST_MIRRORED = 0.2
 _SAMPLE_BITS = 5
 _FEWEST = 50
@@ -31,32 +41,36 @@ def find_shifted_copy(points: Floats) -> Floats | None:
     Notes
     -----
     Every point of such a cloud has a partner at the same shift, to the rounding of float32. Of all differences between
-    a point and those around it, two points share none by chance.
+    a point and those around it, two points share none by chance, and where they do, as on a line of dense points, more
+    of them must share the shift than share any that is a little longer.
     """
+    from scipy.spatial import KDTree
+
     if len(points) < _FEWEST:
         return None
     exactness_m = 4.0 * FLOAT32 * float(np.abs(points).max())
     anchors = np.random.default_rng(11).choice(len(points), _ANCHORS, replace=False)
-    known: list[Floats] = []
-    for count, anchor in enumerate(anchors):
-        around = _differences(points, points[anchor], exactness_m)
-        if count < 3:
-            known.append(around)
-            continue
-        if count == 3:
-            # Of three points of a copied part each pair shares the shift; one may lie outside of it.
-            pairs = ((0, 1), (0, 2), (1, 2))
-            shifts = np.concatenate([_common(known[i], known[j], exactness_m) for i, j in pairs])
-            if not len(shifts):
-                return None
-            votes = np.sum([_is_among(shifts, other, exactness_m) for other in known], axis=0)
-        votes += _is_among(shifts, around, exactness_m)
+    known = [KDTree(_differences(points, points[anchor], exactness_m)) for anchor in anchors[:3]]
+    # Of three points of a copied part each pair shares the shift; one may lie outside of it.
+    pairs = ((0, 1), (0, 2), (1, 2))
+    shifts = np.concatenate([known[i].data[_are_among(known[i].data, known[j], exactness_m)] for i, j in pairs])
+    if not len(shifts):
+        return None
+    known += [KDTree(_differences(points, points[anchor], exactness_m)) for anchor in anchors[3:]]
+    votes = _votes(shifts, known, exactness_m)
     best = int(votes.argmax())
-    return shifts[best] if votes[best] >= _LEAST_ANCHORS else None
+    if votes[best] < _LEAST_ANCHORS:
+        return None
+    sizes = np.abs(shifts).max(axis=1, keepdims=True)
+    by_chance = max(_votes(shifts * (1.0 + k * exactness_m / sizes), known, exactness_m).max() for k in _BESIDE)
+    return np.asarray(shifts[best]) if votes[best] > by_chance + _SHARED else None
 
 
 def _differences(points: Floats, anchor: Floats, exactness_m: float) -> Floats:
-    """Return the differences from a point to those around it, in both senses, by their first coordinate."""
+    """Return the differences from a point to those around it, in both senses, by their first coordinate.
+
+    The order settles which of several shifts with as many votes is taken.
+    """
     near = points[np.abs(points[:, 0] - anchor[0]) <= _AROUND_M] - anchor
     size = np.abs(near).max(axis=1)
     near = near[(size <= _AROUND_M) & (size > 2.0 * exactness_m)]
@@ -66,20 +80,15 @@ def _differences(points: Floats, anchor: Floats, exactness_m: float) -> Floats:
     return np.asarray(both[np.argsort(both[:, 0])], dtype=np.float64)
 
 
-def _common(one: Floats, other: Floats, exactness_m: float) -> Floats:
-    return one[_is_among(one, other, exactness_m)]
+def _votes(shifts: Floats, known: "Sequence[KDTree]", exactness_m: float) -> Ints:
+    """Return for each shift how many of the anchors share it."""
+    return np.asarray(np.sum([_are_among(shifts, tree, exactness_m) for tree in known], axis=0))
 
 
-def _is_among(wanted: Floats, known: Floats, exactness_m: float) -> Bools:
-    """Return for each of the differences whether it is one of the known ones, which are sorted."""
-    first = np.searchsorted(known[:, 0], wanted[:, 0] - exactness_m)
-    stop = np.searchsorted(known[:, 0], wanted[:, 0] + exactness_m, side="right")
-    row = np.repeat(np.arange(len(wanted)), stop - first)
-    column = np.arange(len(row)) - np.repeat(np.cumsum(stop - first) - (stop - first), stop - first) + first[row]
-    same = (np.abs(known[column] - wanted[row]) <= exactness_m).all(axis=1)
-    found = np.zeros(len(wanted), dtype=np.bool_)
-    found[row[same]] = True
-    return found
+def _are_among(wanted: Floats, known: "KDTree", exactness_m: float) -> Bools:
+    """Return for each of the differences whether it is one of the known ones."""
+    apart, _ = known.query(wanted, p=np.inf, distance_upper_bound=2.0 * exactness_m)
+    return np.asarray(apart <= exactness_m)
 
 
 def find_mirrored_copy(scan: Scan) -> int | None:

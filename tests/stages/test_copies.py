@@ -1,5 +1,7 @@
 """A cloud that holds itself twice, and two clouds that are no copies."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -29,6 +31,15 @@ def test_two_scans_of_one_stair_are_no_copies():
     assert find_shifted_copy(np.concatenate([POINTS, other + SHIFT])) is None
     assert find_shifted_copy(Stair(n_steps=5, risers=True).sample()[0]) is None
     assert find_shifted_copy(POINTS[:20]) is None
+
+
+@pytest.mark.parametrize("way", [[0.0, 0.0, 1.7], [0.9, -0.5, 1.2]])
+def test_a_line_of_points_narrower_than_the_tolerance_is_no_copy_and_takes_no_time(way):
+    rng = np.random.default_rng(4)
+    line = [48.0, 9.0, 0.0] + rng.uniform(0.0, 1.0, (20_000, 1)) * way + rng.uniform(0.0, 3e-5, (20_000, 3))
+    began = time.process_time()
+    assert find_shifted_copy(line) is None
+    assert time.process_time() - began < 3.0
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
