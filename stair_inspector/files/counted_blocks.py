@@ -100,15 +100,16 @@ def _miscounted(what: str, count: int, n_found: int) -> ReadError:
     )
 
 
-def named_columns(blocks: Sequence[Floats]) -> tuple[dict[str, NDArray[Any]], int]:
+def named_columns(blocks: Sequence[Floats], roles: Sequence[str] = ()) -> tuple[dict[str, NDArray[Any]], int]:
     """Return the points of blocks as named columns, and how many further columns say nothing that is known.
 
-    After x, y and z stand an intensity, colours of 0 to 255, or an intensity and colours.
+    ``roles`` are what the first columns are, nothing for one that is not read. Without them, after x, y and z stand an
+    intensity, colours of 0 to 255, or an intensity and colours.
 
     Raises
     ------
     ReadError
-        The blocks have different columns.
+        The blocks have different columns, or fewer than roles.
     """
     widths = sorted({rows.shape[1] for rows in blocks if len(rows)})
     if len(widths) > 1:
@@ -116,6 +117,12 @@ def named_columns(blocks: Sequence[Floats]) -> tuple[dict[str, NDArray[Any]], in
             f"its stations have {' and '.join(map(str, widths))} columns; export all of them with the same columns"
         )
     rows = np.concatenate([each for each in blocks if len(each)])
+    if len(roles) > rows.shape[1]:
+        raise ReadError(
+            f"its lines have {rows.shape[1]} columns but --columns names {len(roles)}; name as many or fewer"
+        )
+    if roles:
+        return {role: as_whole(column) for role, column in zip(roles, rows.T, strict=False) if role}, 0
     columns: dict[str, NDArray[Any]] = dict(zip("xyz", rows[:, :3].T, strict=True))
     n_rest = rows.shape[1] - 3
     if n_rest in (3, 4):

@@ -1,10 +1,16 @@
 """Reading PTS of several stations: the points of each follow the line that counts them. PTS of one is text as any."""
 
-from stair_inspector.errors import ReadError
+from collections.abc import Sequence
+from functools import partial
+
+from stair_inspector.errors import ColumnsUnclear, ReadError
 from stair_inspector.files.counted_blocks import begins_with_number, lone_numbers, parse_block
 from stair_inspector.files.raw_cloud import RawCloud, ScanFormat
 from stair_inspector.files.raw_stations import MOST_STATIONS, find_station
 from stair_inspector.files.station_rows import cloud_of_stations
+from stair_inspector.files.text_head import unclear_columns
+from stair_inspector.files.text_table import find_table
+from stair_inspector.files.unnamed_columns import check_first_column
 
 _TEXT_BYTES = 1000
 
@@ -14,14 +20,19 @@ def has_blocks(data: bytes) -> bool:
     if not begins_with_number(data):
         return False
     heads = lone_numbers(data)
-    return len(heads) > 1 and len(data[heads[0].end : heads[0].end + _TEXT_BYTES].partition(b"\n")[0].split()) >= 3
+    full = next((head for head in heads if head.value), None)
+    if full is None or len(heads) < 2:
+        return False
+    return len(data[full.end : full.end + _TEXT_BYTES].lstrip().partition(b"\n")[0].split()) >= 3
 
 
-def read_pts(data: bytes, station: str = "") -> RawCloud:
-    """Read the stations of a PTS, or the one with a name or number.
+def read_pts(data: bytes, station: str = "", columns: Sequence[str] = ()) -> RawCloud:
+    """Read the stations of a PTS, or the one with a name or number; ``columns`` as those of any text.
 
     Raises
     ------
+    ColumnsUnclear
+        Without ``columns``, the first seems to number the lines.
     ReadError
         A count is not that of the lines that follow, a line is not numbers, or there is no such station.
     """
@@ -36,7 +47,14 @@ def read_pts(data: bytes, station: str = "") -> RawCloud:
         body = data[heads[k].end : ends[k]]
         rows, is_cut = parse_block(body, heads[k].value, heads[k].n_before + 1, f"line {heads[k].n_before + 1}")
         blocks.append(rows)
-    return cloud_of_stations(blocks, names, chosen, is_cut=is_cut)
+    if not columns:
+        for k, rows in zip(chosen, blocks, strict=True):
+            check_first_column(rows, partial(_unclear, data[heads[k].end : ends[k]]))
+    return cloud_of_stations(blocks, names, chosen, roles=columns, is_cut=is_cut)
 
 
-FORMAT = ScanFormat(".pts", "a count of points", has_blocks, read_pts, read_station=read_pts, is_text=True)
+def _unclear(body: bytes, message: str) -> ColumnsUnclear:
+    return unclear_columns(message, find_table(body, 0))
+
+
+FORMAT = ScanFormat(".pts", "a count of points", has_blocks, read_pts, read_columns=read_pts, is_text=True)

@@ -74,9 +74,9 @@ class ScanFormat:
     ``suffix`` in lower case, and ``also`` what else its files end in; ``beginning`` are the words for what a file of it
     begins with. ``fits`` tells it from a file's bytes, ``read`` turns them into a cloud or a mesh or raises ReadError.
     ``is_for_meshes`` where a scan should rather not be exported as it; ``is_text`` where other text may have the suffix
-    too. ``read_station`` reads the station with a name or
-    number, all where that is ''; None where a file has none. ``read_part`` reads no more than a part, None where that
-    takes as long.
+    too. ``read_station`` reads the station with a name or number, all where that is ''; None where a file has none.
+    ``read_columns`` does so where what the columns are may be given, too. ``read_part`` reads no more than a part, None
+    where that takes as long.
     """
 
     suffix: str
@@ -87,6 +87,7 @@ class ScanFormat:
     is_for_meshes: bool = False
     read_station: Callable[[bytes, str], RawCloud] | None = None
     read_part: Callable[[bytes, FilePart], RawCloud] | None = None
+    read_columns: Callable[[bytes, str, Sequence[str]], RawCloud] | None = None
     is_text: bool = False
 
     @property

@@ -246,6 +246,8 @@ def _parse(name: str, data: bytes, station: str, columns: Sequence[str], part: F
     if known is None and is_archive(data):
         name, data = unpack_scan(data, name, (FOLDER_SUFFIXES, _SCAN_SUFFIXES))
         known = next((each for each in FORMATS if each.fits(data)), None)
+    if known is not None and known.read_columns is not None:
+        return known.read_columns(data, station, columns)
     if known is not None and known.read_station is not None:
         return known.read_station(data, station)
     if station:

@@ -1,6 +1,7 @@
 """Rows of numbers of several stations as one cloud."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +20,7 @@ def cloud_of_stations(
     places: Floats | None = None,
     notes: Sequence[Note] = (),
     *,
+    roles: Sequence[str] = (),
     is_cut: bool = False,
 ) -> RawCloud:
     """Return the cloud of the stations that were chosen.
@@ -35,17 +37,19 @@ def cloud_of_stations(
         Where each stood.
     notes : sequence of Note
         What is to be said of them already.
+    roles : sequence of str
+        What their columns are, as :func:`stair_inspector.columns.parse_columns` says it; none where they follow custom.
     is_cut : bool
         Whether the last number of the last block may have been cut.
 
     Raises
     ------
     ReadError
-        No points, or the blocks have different columns.
+        No points, or the blocks have different columns, or fewer than roles.
     """
     if not any(map(len, blocks)):
         raise ReadError("holds no points; export the scan again")
-    columns, n_ignored = named_columns(blocks)
+    columns, n_ignored = named_columns(blocks, roles)
     counts = np.zeros(len(names), dtype=np.int64)
     counts[list(chosen)] = [len(rows) for rows in blocks]
     noted = [stations_note(names, counts.tolist(), chosen), *notes, *(cut_note() if is_cut else ())]
@@ -55,4 +59,4 @@ def cloud_of_stations(
     cloud = cloud_from_columns(columns, noted)
     of_point = np.repeat(np.arange(len(names), dtype=np.int16), counts)
     places = np.full((len(names), 3), np.nan) if places is None else places
-    return RawCloud(cloud.points, cloud.colors, notes=cloud.notes, stations=RawStations(tuple(names), of_point, places))
+    return replace(cloud, stations=RawStations(tuple(names), of_point, places))

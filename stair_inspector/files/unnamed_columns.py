@@ -22,13 +22,7 @@ def cloud_without_names(values: Floats, notes: Sequence[Note], unclear: Callable
     """
     rest = values[:, 3:]
     n_rest = rest.shape[1]
-    first, others = values[:, 0], values[:, 1:3]
-    if n_rest and len(values) >= _RUNNING_ROWS:
-        is_whole = bool((first == np.floor(first)).all()) and not (others == np.floor(others)).all(axis=0).any()
-        if is_whole or bool((np.diff(first) > 0.0).all()):
-            raise unclear(
-                "its first column numbers the lines or is a time, so it is not clear which columns are x, y and z"
-            )
+    check_first_column(values, unclear)
     columns: dict[str, NDArray[np.float64] | NDArray[np.uint8]] = dict(zip("xyz", values.T, strict=False))
     used = 0
     if n_rest == 3 and _are_normals(rest):
@@ -49,6 +43,17 @@ def cloud_without_names(values: Floats, notes: Sequence[Note], unclear: Callable
         )
         notes = [*notes, Note("columns_ignored", READ_STAGE, message)]
     return cloud_from_columns(columns, notes)
+
+
+def check_first_column(values: Floats, unclear: Callable[[str], ReadError]) -> None:
+    """Raise what ``unclear`` makes where the first of four or more columns numbers the lines or is a time."""
+    first, others = values[:, 0], values[:, 1:3]
+    if values.shape[1] > 3 and len(values) >= _RUNNING_ROWS:
+        is_whole = bool((first == np.floor(first)).all()) and not (others == np.floor(others)).all(axis=0).any()
+        if is_whole or bool((np.diff(first) > 0.0).all()):
+            raise unclear(
+                "its first column numbers the lines or is a time, so it is not clear which columns are x, y and z"
+            )
 
 
 def _are_colors(values: Floats) -> bool:

@@ -6,7 +6,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from stair_inspector.errors import ReadError
+from stair_inspector.errors import ColumnsUnclear, ReadError
 from stair_inspector.files.scans import FOLDER_SUFFIXES, read_scan
 from tests.files.station_files import ptx_bytes
 from tests.files.test_mesh_damage import damaged
@@ -113,6 +113,31 @@ def test_pts_of_one_block_is_text_as_any(tmp_path):
 def test_colours_of_blocks(tmp_path):
     content = f"12\n{lines(FIRST, ' 7 1 2 3')}8\n{lines(SECOND, ' -900 4 5 255')}"
     assert np.array_equal(read(tmp_path, content, "a.pts").colors, [[1, 2, 3]] * 12 + [[4, 5, 255]] * 8)
+
+
+def test_an_empty_first_block_of_pts_is_a_station_too(tmp_path):
+    scan = read(tmp_path, b"0\n" + PTS, "a.pts")
+    assert np.array_equal(scan.points, np.concatenate([FIRST, SECOND]))
+    assert scan.stations.names == ("scan 1", "scan 2", "scan 3")
+    assert np.array_equal(scan.stations.of_point, [1] * 12 + [2] * 8)
+
+
+def test_what_the_columns_of_blocks_are_may_be_said_and_line_numbers_are_no_x(tmp_path):
+    numbered = "".join(
+        f"{len(rows)}\n" + "".join(f"{k} {z} {x} {y}\n" for k, (x, y, z) in enumerate(rows.tolist()))
+        for rows in (FIRST, SECOND)
+    )
+    scan = read(tmp_path, numbered, "a.pts", columns="-,z,x,y")
+    assert np.array_equal(scan.points, np.concatenate([FIRST, SECOND]))
+    assert np.array_equal(scan.stations.of_point, [0] * 12 + [1] * 8)
+    with pytest.raises(ColumnsUnclear, match=r"its first column numbers the lines .* give --columns x,y,z or"):
+        read(tmp_path, numbered, "a.pts")
+    with pytest.raises(ReadError, match="its lines have 4 columns but --columns names 5; name as many or fewer"):
+        read(tmp_path, numbered, "a.pts", columns="-,z,x,y,i")
+    tilted = f"2\n{lines(FIRST[:2], ' 0 0 1')}1\n{lines(SECOND[:1], ' 0 1 0')}"
+    assert np.array_equal(
+        read(tmp_path, tilted, "a.pts", columns="x,y,z,nx,ny,nz").normals, [[0, 0, 1], [0, 0, 1], [0, 1, 0]]
+    )
 
 
 # --- what is wrong with a file ---
