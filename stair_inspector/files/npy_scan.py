@@ -234,7 +234,7 @@ def _cloud_of(array: NDArray[Any]) -> RawCloud:
     if not _is_list_of_points(array):
         raise ReadError(f"is an array of shape {excerpt(str(array.shape))}, which is no list of points; {_HINT}")
     table: Floats = array.reshape(-1, array.shape[-1]).astype(np.float64)
-    return cloud_without_names(table, (), lambda message: ReadError(f"{message}; {_HINT}"))
+    return cloud_without_names(table, (), lambda message, _: ReadError(f"{message}; {_HINT}"))
 
 
 FORMAT = ScanFormat(".npy", "numpy's mark", is_npy, read_npy, (".npz",))

@@ -42,6 +42,10 @@ class NumberLines:
         lines = filter(bytes.strip, stream)
         return islice(lines if self.clean is None else filter(None, map(self.clean, lines)), self.skip, stop)
 
+    def rows(self) -> Iterator[bytes]:
+        """Go through the lines of the table as they are parsed."""
+        return self._lines(self._stream())
+
     def parse(self) -> tuple[Floats, int, bool]:
         """Parse the table.
 

@@ -10,7 +10,7 @@ from stair_inspector.files.raw_stations import MOST_STATIONS, find_station
 from stair_inspector.files.station_rows import cloud_of_stations
 from stair_inspector.files.text_head import unclear_columns
 from stair_inspector.files.text_table import find_table
-from stair_inspector.files.unnamed_columns import check_first_column
+from stair_inspector.files.unnamed_columns import check_first_columns
 
 _TEXT_BYTES = 1000
 
@@ -32,7 +32,7 @@ def read_pts(data: bytes, station: str = "", columns: Sequence[str] = ()) -> Raw
     Raises
     ------
     ColumnsUnclear
-        Without ``columns``, the first seems to number the lines.
+        Without ``columns``, the first three may not be x, y and z.
     ReadError
         A count is not that of the lines that follow, a line is not numbers, or there is no such station.
     """
@@ -49,12 +49,12 @@ def read_pts(data: bytes, station: str = "", columns: Sequence[str] = ()) -> Raw
         blocks.append(rows)
     if not columns:
         for k, rows in zip(chosen, blocks, strict=True):
-            check_first_column(rows, partial(_unclear, data[heads[k].end : ends[k]]))
+            check_first_columns(rows, partial(_unclear, data[heads[k].end : ends[k]]))
     return cloud_of_stations(blocks, names, chosen, roles=columns, is_cut=is_cut)
 
 
-def _unclear(body: bytes, message: str) -> ColumnsUnclear:
-    return unclear_columns(message, find_table(body, 0))
+def _unclear(body: bytes, message: str, place: int) -> ColumnsUnclear:
+    return unclear_columns(message, find_table(body, 0), at=place)
 
 
 FORMAT = ScanFormat(".pts", "a count of points", has_blocks, read_pts, read_columns=read_pts, is_text=True)

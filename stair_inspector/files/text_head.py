@@ -86,12 +86,12 @@ def read_head(table: TextTable, columns: Sequence[str]) -> TextHead:
     return TextHead(names, unit, count, tuple(notes))
 
 
-def unclear_columns(message: str, table: TextTable, roles: Sequence[str] = ()) -> ColumnsUnclear:
+def unclear_columns(message: str, table: TextTable, roles: Sequence[str] = (), at: int = 0) -> ColumnsUnclear:
     """Return the error that asks which columns are x, y and z, with the first lines and what the answer may be.
 
-    ``roles`` are what a header makes of the columns, which may name an axis more than once.
+    ``roles`` are what a header makes of the columns, which may name an axis more than once; ``at`` is where x may be.
     """
-    proposals = _proposals(table, roles)
+    proposals = _proposals(table, roles, at)
     shown = [*table.above[-1:], *table.rows][:_SHOWN_LINES]
     return ColumnsUnclear(
         f"{message}; give --columns {' or --columns '.join(proposals)}, or add a first line that names the columns",
@@ -100,11 +100,14 @@ def unclear_columns(message: str, table: TextTable, roles: Sequence[str] = ()) -
     )
 
 
-def _proposals(table: TextTable, roles: Sequence[str]) -> tuple[str, ...]:
+def _proposals(table: TextTable, roles: Sequence[str], at: int) -> tuple[str, ...]:
     """Return what ``--columns`` may be given, at most two: columns that are named so, or that follow each other."""
-    named = itertools.product(*([k for k, role in enumerate(roles) if role == axis] for axis in AXES))
-    following = ((k, k + 1, k + 2) for k in range(table.n_columns - 2) if all(table.is_number[k : k + 3]))
-    found = [*itertools.islice(itertools.chain(named, following), 2)] or [(0, 1, 2)]
+    numbers = [k for k, is_number in enumerate(table.is_number) if is_number]
+    named = itertools.product(*([k for k in numbers if roles[k : k + 1] == (axis,)] for axis in AXES))
+    following = [(k, k + 1, k + 2) for k in numbers if {k + 1, k + 2} <= set(numbers)]
+    likely = [each for each in following if each[0] == at]
+    ordered = dict.fromkeys(itertools.chain(named, following[:1], likely, following[1:]))
+    found = [*itertools.islice(ordered, 2)] or [tuple(numbers[:3])]
     return tuple(
         ",".join(AXES[places.index(k)] if k in places else "-" for k in range(max(places) + 1)) for places in found
     )

@@ -1,9 +1,11 @@
 """Reading text as people export it: XYZ, PTS, CSV and lists of surveyors, with or without names of the columns."""
 
+import itertools
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+
+import numpy as np
 
 from stair_inspector.errors import ReadError
 from stair_inspector.files.number_lines import NumberLines
@@ -18,7 +20,7 @@ from stair_inspector.files.raw_cloud import (
 from stair_inspector.files.text_columns import AXES
 from stair_inspector.files.text_dialect import REMARKS, has_two_readings
 from stair_inspector.files.text_head import read_head, unclear_columns
-from stair_inspector.files.text_table import TextTable, find_table, lines_of
+from stair_inspector.files.text_table import TextTable, find_table
 from stair_inspector.files.text_thousands import may_part_thousands, thousands_in
 from stair_inspector.files.unnamed_columns import cloud_without_names
 from stair_inspector.geometry.arrays import Floats
@@ -27,6 +29,7 @@ _BOM = b"\xef\xbb\xbf"
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
 _SNIFFED_BYTES = 65_536
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+_LOOKED_AT_ROWS = 1000
 _ENDS = b"\x1a"
 """Old editors end a file with it."""
 
@@ -88,7 +91,7 @@ def read_text(data: bytes, columns: Sequence[str] = ()) -> RawCloud:
     clean = None if dialect.is_plain and not has_remarks else dialect.clean
     lines = NumberLines(data, table.start, len(names), separator=separator, ignored=ignored, clean=clean)
     values, _, is_cut = lines.parse()
-    _check_thousands(data, table, names, values)
+    _check_thousands(lines, table, names, values)
     if head.count is not None and head.count != len(values):
         hint = TRUNCATED_HINT if len(values) < head.count else "correct the count or export the scan again"
         raise ReadError(f"its first line states {head.count} points but {len(values)} follow; {hint}")
@@ -97,21 +100,26 @@ def read_text(data: bytes, columns: Sequence[str] = ()) -> RawCloud:
         named = {name: as_whole(values[:, k]) for k, name in enumerate(names) if name}
         cloud = cloud_from_columns(named, notes)
     else:
-        unclear = partial(unclear_columns, table=table)
         numbers = [k for k in range(len(names)) if k not in ignored]
-        cloud = cloud_without_names(values[:, numbers], notes, unclear)
+        cloud = cloud_without_names(
+            values[:, numbers],
+            notes,
+            lambda message, place: unclear_columns(message, table, at=numbers[min(place, len(numbers) - 1)]),
+        )
     return replace(cloud, unit=head.unit)
 
 
-def _check_thousands(data: bytes, table: TextTable, names: Sequence[str], values: Floats) -> None:
+def _check_thousands(lines: NumberLines, table: TextTable, names: Sequence[str], values: Floats) -> None:
     """Raise ReadError where marks that part thousands in coordinates were read as decimals."""
     numbers = [k for k, name in enumerate(names) if name]
     places = [names.index(axis) for axis in AXES] if set(AXES) <= set(names) else numbers[:3]
-    if not may_part_thousands([values[:, k] for k in places]):
+    coordinates = [values[:, k] for k in places]
+    if not may_part_thousands(coordinates):
         return
-    lines = filter(None, map(table.dialect.clean, (line.text for line in lines_of(data, table.start))))
-    separator = table.dialect.separator
-    rows = (line.split(separator) for line in lines)
+    # Cells without a mark are whole numbers; other rows only tell how many digits stand behind a mark, as the first do.
+    is_looked_at = np.any([each == np.rint(each) for each in coordinates], axis=0)
+    is_looked_at[:_LOOKED_AT_ROWS] = True
+    rows = (row.split(table.dialect.separator) for row in itertools.compress(lines.rows(), is_looked_at))
     found = thousands_in([row[k].strip() for k in places] for row in rows)
     if found is not None:
         shown = found.replace(b".", b",") if table.dialect.has_decimal_commas else found

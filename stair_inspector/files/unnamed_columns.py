@@ -13,16 +13,20 @@ from stair_inspector.model import Note
 _UNIT_TOLERANCE = 0.02
 """Normals are often written with two decimals."""
 _RUNNING_ROWS = 10
+_MANY_ROWS = 1000
+"""So many points of a scan in whole millimetres share some of their x."""
+_UNCLEAR = ", so it is not clear which columns are x, y and z"
 
 
-def cloud_without_names(values: Floats, notes: Sequence[Note], unclear: Callable[[str], ReadError]) -> RawCloud:
+def cloud_without_names(values: Floats, notes: Sequence[Note], unclear: Callable[[str, int], ReadError]) -> RawCloud:
     """Return the cloud of a table (n, 3 or more) without names: x y z, and behind them what the columns look like.
 
-    ``unclear`` makes the error of a table of which it is not certain which columns are x, y and z.
+    ``unclear`` makes the error of a table of which it is not certain which columns are x, y and z, from what is seen
+    and the place at which they may begin.
     """
     rest = values[:, 3:]
     n_rest = rest.shape[1]
-    check_first_column(values, unclear)
+    check_first_columns(values, unclear)
     columns: dict[str, NDArray[np.float64] | NDArray[np.uint8]] = dict(zip("xyz", values.T, strict=False))
     used = 0
     if n_rest == 3 and _are_normals(rest):
@@ -45,15 +49,60 @@ def cloud_without_names(values: Floats, notes: Sequence[Note], unclear: Callable
     return cloud_from_columns(columns, notes)
 
 
-def check_first_column(values: Floats, unclear: Callable[[str], ReadError]) -> None:
-    """Raise what ``unclear`` makes where the first of four or more columns numbers the lines or is a time."""
-    first, others = values[:, 0], values[:, 1:3]
-    if values.shape[1] > 3 and len(values) >= _RUNNING_ROWS:
-        is_whole = bool((first == np.floor(first)).all()) and not (others == np.floor(others)).all(axis=0).any()
-        if is_whole or bool((np.diff(first) > 0.0).all()):
-            raise unclear(
-                "its first column numbers the lines or is a time, so it is not clear which columns are x, y and z"
+def check_first_columns(values: Floats, unclear: Callable[[str, int], ReadError]) -> None:
+    """Raise what ``unclear`` makes where the first three columns of a table may not be x, y and z."""
+    doubt = _doubt(values)
+    if doubt is not None:
+        raise unclear(*doubt)
+
+
+def _doubt(values: Floats) -> tuple[str, int] | None:
+    """Return why the first three columns may not be x, y and z, and where those may begin; None where they are."""
+    values = values[np.isfinite(values[:, :4]).all(axis=1)]
+    if len(values) < _RUNNING_ROWS:
+        return None
+    is_whole = [bool((column == np.floor(column)).all()) for column in values.T]
+    first, n_rest = values[:, 0], values.shape[1] - 3
+    is_numbered = is_whole[0] and _numbers_rows(first)
+    if not n_rest:
+        if is_numbered and (not all(is_whole) or len(values) >= _MANY_ROWS):
+            return f"its first column numbers the lines{_UNCLEAR}", 0
+        return None
+    n_whole = is_whole.index(False) if False in is_whole else len(is_whole)
+    rest = values[:, 3:]
+    is_known = n_rest in (3, 6) and (_are_normals(rest[:, :3]) or _are_colors(rest[:, :3]))
+    is_alike = len(set(is_whole[1:4])) == 1
+    # A time may stay while some points are taken; among x y z r g b it would leave two coordinates.
+    is_rising = not is_known and is_alike and _rises(first)
+    if is_numbered or is_rising or (n_whole == 1 and not any(is_whole[1:3])):
+        return f"its first column numbers the lines or is a time{_UNCLEAR}", 1
+    if n_whole in (1, 2):
+        return f"only {n_whole} of its first three columns are whole numbers{_UNCLEAR}", n_whole
+    are_last_normals = n_rest == 4 and _are_normals(rest[:, 1:])
+    if n_rest >= 3 and n_whole >= 3 and not is_known and not are_last_normals:
+        is_behind = n_whole <= n_rest and not any(is_whole[n_whole : n_whole + 3])
+        if is_behind or (n_rest == 3 and _are_colors(values[:, :3])):
+            return (
+                f"its first columns are whole numbers such as colours or places in a grid{_UNCLEAR}",
+                n_whole if is_behind else 3,
             )
+    constant = next((k for k in range(3) if (values[:, k] == values[0, k]).all()), None)
+    if constant is not None:
+        return f"its column {constant + 1} is the same in all lines{_UNCLEAR}", constant + 1
+    # A fourth column that is not whole may then be z as well as an intensity.
+    if not is_known and not is_whole[3] and bool(((first >= 0.0) & (first <= 1.0)).all()):
+        return f"its first column is between 0 and 1, as an intensity is{_UNCLEAR}", 1
+    return None
+
+
+def _numbers_rows(column: Floats) -> bool:
+    """Return whether whole numbers are those of lines, in any order: each comes once, and they lie close."""
+    return len(np.unique(column)) == len(column) and bool(np.ptp(column) < 2 * len(column))
+
+
+def _rises(column: Floats) -> bool:
+    """Return whether numbers never fall, but rise."""
+    return bool((np.diff(column) >= 0.0).all()) and bool(column[-1] > column[0])
 
 
 def _are_colors(values: Floats) -> bool:

@@ -129,8 +129,73 @@ UNCLEAR = {
     "unknown names": ("lat lon up\n" + rows(), ("x,y,z",)),
     "two heights": ("E,N,H,Elevation\n" + rows(",", behind=[str]), ("x,y,z", "x,y,-,z")),
     "too few names": ("x y z\n" + rows(behind=[lambda k: str(k * k)]), ("x,y,z", "-,x,y,z")),
-    "text between": ("".join(f"{x} m {y} m {z} m\n" for x, y, z in POINTS.tolist()), ("x,y,z",)),
+    "text between": ("".join(f"{x} m {y} m {z} m\n" for x, y, z in POINTS.tolist()), ("x,-,y,-,z",)),
 }
+
+
+def cloud(scale=1.0, digits=3):
+    """Points of a stair at random, with as many decimals, in a unit of which so many are a metre."""
+    across, along = np.random.default_rng(4).uniform((-0.6, 0.0), (0.6, 1.4), (60, 2)).T
+    return np.round(np.column_stack([across, along, 0.17 * np.floor(along / 0.28)]) * scale, digits)
+
+
+def written(*parts):
+    return "".join(" ".join(f"{value:.10g}" for value in row) + "\n" for row in np.column_stack(parts))
+
+
+N = np.arange(60)
+WHOLE = np.random.default_rng(5).integers(0, 255, (60, 3))
+BEFORE_POINTS = {
+    "a time that repeats": ((N // 5 / 10, cloud()), 1),
+    "a time and an intensity": ((N // 5 / 10, cloud(), WHOLE[:, 0]), 1),
+    "row and column": ((N // 8, N % 8, cloud()), 2),
+    "row, column and colours": ((N // 8, N % 8, cloud(), WHOLE), 2),
+    "scan and number": ((0 * N + 1, N, cloud()), 2),
+    "colours": ((WHOLE, cloud()), 3),
+    "colours before millimetres": ((WHOLE, cloud(1000.0, 0)), 3),
+    "intensity": ((WHOLE[:, 0] / 255, cloud()), 1),
+    "numbers that fall": ((60 - N, cloud(1000.0, 0)), 1),
+    "numbers in any order": ((np.random.default_rng(6).permutation(60), cloud(1000.0, 0)), 1),
+    "a column that is the same": ((0 * N + 0.5, cloud()), 1),
+}
+
+
+@pytest.mark.parametrize("name", BEFORE_POINTS)
+def test_columns_before_the_points_are_asked_for(tmp_path, name):
+    parts, place = BEFORE_POINTS[name]
+    content = written(*parts)
+    with pytest.raises(ColumnsUnclear, match="so it is not clear which columns are x, y and z") as caught:
+        read(tmp_path, content)
+    answer = caught.value.proposals[1]
+    assert answer == "-," * place + "x,y,z"
+    assert len(read(tmp_path, content, answer).points) == 60
+
+
+def test_two_coordinates_behind_a_number_are_asked_for(tmp_path):
+    with pytest.raises(ColumnsUnclear, match="first column numbers the lines"):
+        read(tmp_path, written(N, cloud()[:, :2]))
+
+
+BEHIND_POINTS = {
+    "nothing": (),
+    "an intensity": (WHOLE[:, 0],),
+    "colours": (WHOLE,),
+    "an intensity and colours": (WHOLE[:, 0], WHOLE),
+    "normals": (np.tile([0.0, 0.6, 0.8], (60, 1)),),
+}
+
+
+@pytest.mark.parametrize("scale", [1.0, 1000.0])
+@pytest.mark.parametrize("name", BEHIND_POINTS)
+def test_points_without_names_are_read_in_any_order(tmp_path, name, scale):
+    points = cloud(scale, 3 if scale == 1.0 else 0)
+    in_order = points[np.argsort(points[:, 0])]
+    is_told = scale == 1.0 or name not in ("an intensity", "an intensity and colours")
+    for each in (points, in_order) if is_told else (points,):
+        scan = read(tmp_path, written(each, *BEHIND_POINTS[name]), unit="m")
+        assert np.allclose(scan.points + scan.origin_m, each)
+        assert (scan.colors is not None) == ("colours" in name)
+        assert (scan.normals is not None) == (name == "normals")
 
 
 @pytest.mark.parametrize("name", UNCLEAR)
