@@ -38,6 +38,8 @@ _ROUTINE = frozenset(
         "columns_ignored",
         "stations_read",
         "rays_dropped",
+        "pose_in_matrix_only",
+        "pose_stretches",
         "invalid_dropped",
     }
 )

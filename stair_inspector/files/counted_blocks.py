@@ -32,12 +32,17 @@ class LoneNumber:
     n_before: int
 
 
+def with_newlines(data: bytes) -> bytes:
+    """Return a text whose lines end with a newline, whichever of the usual ends they have."""
+    return data if b"\n" in data else data.replace(b"\r", b"\n")
+
+
 def begins_with_number(data: bytes) -> bool:
     """Return whether text begins, after remarks, with a line that holds one whole number."""
     first = data[len(_BOM) if data.startswith(_BOM) else 0 : _FIRST_BYTES]
     if _CONTROL.search(first):
         return False
-    lines = (line.strip() for line in first.split(b"\n"))
+    lines = (line.strip() for line in with_newlines(first).split(b"\n"))
     return next((line.isdigit() for line in lines if line and not line.startswith(_REMARK)), False)
 
 

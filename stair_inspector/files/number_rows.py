@@ -10,7 +10,7 @@ from stair_inspector.files.raw_cloud import excerpt
 from stair_inspector.geometry.arrays import Floats
 
 
-def number_table(rows: Sequence[Sequence[bytes]], width: int, what: str) -> Floats:
+def number_table(rows: Sequence[Sequence[bytes]], width: int, what: str, kind: str = "mesh") -> Floats:
     """Return the first ``width`` words of each row as numbers (n, width).
 
     Parameters
@@ -21,6 +21,8 @@ def number_table(rows: Sequence[Sequence[bytes]], width: int, what: str) -> Floa
         Words that are needed.
     what : str
         What a row is, for the message.
+    kind : str
+        What is to be exported again.
 
     Raises
     ------
@@ -29,7 +31,7 @@ def number_table(rows: Sequence[Sequence[bytes]], width: int, what: str) -> Floa
     """
     if any(len(row) < width for row in rows):
         number, row = next((number, row) for number, row in enumerate(rows, start=1) if len(row) < width)
-        raise ReadError(f"its {what} {number} has {len(row)} numbers instead of {width}; export the mesh again")
+        raise ReadError(f"its {what} {number} has {len(row)} numbers instead of {width}; export the {kind} again")
     try:
         table = np.array([[float(word) for word in row[:width]] for row in rows], dtype=np.float64)
     except ValueError as error:
@@ -37,6 +39,6 @@ def number_table(rows: Sequence[Sequence[bytes]], width: int, what: str) -> Floa
             (number, word) for number, row in enumerate(rows, start=1) for word in row[:width] if not is_number(word)
         )
         raise ReadError(
-            f"its {what} {number} holds '{excerpt(bad)}' instead of a number; export the mesh again"
+            f"its {what} {number} holds '{excerpt(bad)}' instead of a number; export the {kind} again"
         ) from error
     return table.reshape(len(rows), width)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from stair_inspector.errors import ColumnsUnclear, ReadError
-from stair_inspector.files.counted_blocks import begins_with_number, lone_numbers, parse_block
+from stair_inspector.files.counted_blocks import begins_with_number, lone_numbers, parse_block, with_newlines
 from stair_inspector.files.raw_cloud import RawCloud, ScanFormat
 from stair_inspector.files.raw_stations import MOST_STATIONS, find_station
 from stair_inspector.files.station_rows import cloud_of_stations
@@ -19,6 +19,7 @@ def has_blocks(data: bytes) -> bool:
     """Return whether a file holds several counts, and points after the first."""
     if not begins_with_number(data):
         return False
+    data = with_newlines(data)
     heads = lone_numbers(data)
     full = next((head for head in heads if head.value), None)
     if full is None or len(heads) < 2:
@@ -36,6 +37,7 @@ def read_pts(data: bytes, station: str = "", columns: Sequence[str] = ()) -> Raw
     ReadError
         A count is not that of the lines that follow, a line is not numbers, or there is no such station.
     """
+    data = with_newlines(data)
     heads = lone_numbers(data)
     if len(heads) > MOST_STATIONS:
         raise ReadError(f"holds more than {MOST_STATIONS} counts of points, one for each station; export fewer of them")

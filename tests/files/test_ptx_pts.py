@@ -66,7 +66,7 @@ def test_rays_that_hit_nothing_are_dropped_and_counted(tmp_path):
     assert np.abs(scan.points + scan.origin_m - FIRST[[1, 2, 3, 4, 6, 8, 9, 10, 11]] - GRID).max() < 2e-9
     assert scan.notes[1].message == "3 of 12 rays dropped: they hit nothing (0 0 0)"
     # The pose would take them to the scanner, among the points.
-    with pytest.raises(ReadError, match="none of its 12 rays hit anything"):
+    with pytest.raises(ReadError, match="none of the 12 rays hit anything"):
         read(tmp_path, ptx_bytes((0.0 * rays, SAME, GRID)), "a.ptx")
 
 
@@ -84,6 +84,92 @@ def test_columns_that_are_not_known_are_ignored_with_a_note(tmp_path):
     scan = read(tmp_path, ptx_bytes((FIRST, SAME, GRID), rest=" 1.5 2 3"), "a.ptx")
     assert scan.colors is None
     assert scan.notes[1].code == "columns_ignored"
+
+
+def with_head(place, axes, turn, shift):
+    """A PTX of one station whose head is written as given: rows of the axes, rows of the matrix."""
+    rows = [place, *axes, *(np.append(row, 0) for row in turn), np.append(shift, 1)]
+    return f"1\n{len(FIRST)}\n" + "".join(" ".join(f"{v:.8g}" for v in row) + "\n" for row in rows) + lines(FIRST)
+
+
+TILT = (rotation("z", 30.0) @ rotation("x", 10.0)).T
+SHIFT = np.array([10.0, 20.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("place", "axes", "turn", "shift"),
+    [
+        (SHIFT, TILT, TILT.T, SHIFT),
+        (SHIFT, TILT.T, TILT, SHIFT),
+        ((1.0, 1.0, 1.0), TILT, TILT, SHIFT),
+        (SHIFT, TILT, np.eye(3), SHIFT),
+        (SHIFT, TILT, TILT, 0.0 * SHIFT),
+        ((np.nan, 0.0, 0.0), TILT, TILT, SHIFT),
+    ],
+)
+def test_a_head_of_ptx_that_contradicts_itself_is_refused(tmp_path, place, axes, turn, shift):
+    with pytest.raises(ReadError, match="the head of its station 1 contradicts itself: its lines 3 to 6") as caught:
+        read(tmp_path, with_head(place, axes, turn, shift), "a.ptx")
+    check_form(tmp_path / "a.ptx", str(caught.value))
+
+
+@pytest.mark.parametrize(
+    ("place", "axes", "turn", "shift", "code"),
+    [
+        (SHIFT, TILT, TILT, SHIFT, None),
+        (np.round(SHIFT + 0.004, 2), np.round(TILT, 2), TILT, SHIFT, None),
+        (0.0 * SHIFT, np.eye(3), TILT, SHIFT, "pose_in_matrix_only"),
+        (SHIFT, np.eye(3), TILT, SHIFT, "pose_in_matrix_only"),
+        (0.0 * SHIFT, 0.0 * TILT, TILT, SHIFT, "pose_in_matrix_only"),
+        (SHIFT, TILT, np.eye(3), 0.0 * SHIFT, "pose_in_head_only"),
+    ],
+)
+def test_of_a_pose_that_is_stated_once_the_matrix_is_believed_and_that_is_said(
+    tmp_path, place, axes, turn, shift, code
+):
+    scan = read(tmp_path, with_head(place, axes, turn, shift), "a.ptx")
+    assert np.abs(scan.points - (FIRST @ turn + shift)).max() < 1e-6
+    assert [note.code for note in scan.notes[1:]] == [code] * (code is not None)
+    # Where its points were seen from is not certain without a matrix.
+    place_m = np.full(3, np.nan) if code == "pose_in_head_only" else shift
+    assert np.array_equal(scan.stations.places_m[0], place_m, equal_nan=True)
+
+
+@pytest.mark.parametrize("stretch", [0.9996, 1.0004])
+def test_a_matrix_that_stretches_leaves_lengths_as_they_are(tmp_path, stretch):
+    scan = read(tmp_path, with_head(SHIFT, TILT * stretch, TILT * stretch, SHIFT), "a.ptx")
+    assert np.abs(scan.points - (FIRST @ TILT + SHIFT)).max() < 1e-6
+    words = f"the matrix stretches, by up to {stretch:.5f}: it was made a turn, so that lengths stay"
+    assert [note.message for note in scan.notes[1:]] == [f"in the head of station 1 {words}"]
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [("\n", "\r"), ("\n", "\r\n"), ("\n", "\n\n"), ("\n", "\n  "), ("\n", " \n"), (" ", "\t")],
+)
+def test_blanks_and_line_ends_of_ptx_and_pts_change_nothing(tmp_path, before, after):
+    for content, name in ((PTX, "a.ptx"), (PTS, "a.pts")):
+        plain = read(tmp_path, content, name)
+        other = read(tmp_path, content.decode().replace(before, after), name)
+        assert np.array_equal(plain.points, other.points)
+        assert [note.message for note in plain.notes] == [note.message for note in other.notes]
+
+
+def test_blank_lines_in_the_head_of_ptx_are_counted(tmp_path):
+    content = (PTX_HEAD + POINTS.replace("0.5", "half", 1)).replace("\n", "\n\n")
+    with pytest.raises(ReadError, match="line 21 holds 'half'"):
+        read(tmp_path, content, "a.ptx")
+
+
+def test_a_bad_station_of_ptx_stops_only_who_wants_it(tmp_path):
+    content = PTX_HEAD.replace("1 0 0 0", "1.1 0 0 0", 1) + lines(SECOND[:4]) + PTX_HEAD + lines(SECOND[4:8])
+    assert np.array_equal(read(tmp_path, content, "a.ptx", station="2").points, SECOND[4:8])
+    for station in ("", "1"):
+        with pytest.raises(ReadError, match="the matrix of its station 1"):
+            read(tmp_path, content, "a.ptx", station=station)
+    nothing = PTX_HEAD + "0 0 0\n" * 4 + PTX_HEAD + lines(SECOND[4:8])
+    with pytest.raises(ReadError, match="none of the 4 rays of its station 1 hit anything"):
+        read(tmp_path, nothing, "a.ptx", station="1")
 
 
 # --- PTS ---
@@ -153,6 +239,9 @@ BAD = {
     "long.ptx": (PTX_HEAD + lines(SECOND[:5], " 1"), "station 1 states 4 points but 5 follow"),
     "huge.ptx": (PTX_HEAD.replace("2\n2", "999999999999\n999999999999", 1) + POINTS, "more than a file can hold"),
     "lying.ptx": (PTX_HEAD.replace("2\n2", "99999\n999999", 1) + POINTS, "states 99998900001 points but 4 follow"),
+    "long_count.ptx": (PTX_HEAD.replace("2", "9" * 30, 1) + POINTS, "columns or rows, more than a file can hold"),
+    "long_rows.ptx": (PTX_HEAD.replace("2\n2", "2\n" + "9" * 18, 1) + POINTS, "columns or rows, more than a file can"),
+    "no_rays.ptx": (PTX_HEAD.replace("2\n2", "0\n0", 1), "holds no points; export the scan again"),
     "lone.ptx": (PTX_HEAD + POINTS + "3\n", "line 15 begins a PTX station that ends there"),
     "count.ptx": (PTX_HEAD + POINTS + "3\n1 2 3 4\n5\n", "line 15 ('3') is neither a point nor the head"),
     "cut.ptx": (PTX_HEAD + POINTS + "2\n2\n0 0 0\n", "the head of its station 2 is cut off"),
