@@ -282,7 +282,7 @@ class Params:
     crop: Annotated[
         str,
         Setting("Part of the file", place="scan").says(
-            "The box of the file that is read, xmin,ymin,zmin,xmax,ymax,zmax in its own coordinates; '' reads all."
+            "Box of the file that is read, xmin,ymin,zmin,xmax,ymax,zmax in its coordinates (glTF: z up); '' reads all."
         ),
     ] = ""
     detail_m: Annotated[

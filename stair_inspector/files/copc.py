@@ -62,7 +62,8 @@ def cells_of_part(data: bytes, part: FilePart) -> list[CopcCell]:
     data : bytes
         The whole file.
     part : FilePart
-        Its box may cut cells. Its detail is met by the first level that is as fine, and by the finest where none is.
+        Its box may cut cells; with a margin, cells that lie as near to it are found too. Its detail is met by the first
+        level that is as fine, and by the finest where none is.
 
     Raises
     ------
@@ -80,7 +81,7 @@ def cells_of_part(data: bytes, part: FilePart) -> list[CopcCell]:
             continue
         if part.box is not None:
             low, high = octree.corners_of(level, place)
-            if (low > part.box[1]).any() or (high < part.box[0]).any():
+            if (low > np.add(part.box[1], part.margin)).any() or (high < np.subtract(part.box[0], part.margin)).any():
                 continue
         if cell.count:
             found.append(cell)

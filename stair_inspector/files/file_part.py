@@ -10,10 +10,14 @@ from stair_inspector.geometry.arrays import Bools, Floats
 
 @dataclass(frozen=True, slots=True)
 class FilePart:
-    """What is read of a file: ``box`` in the file's own coordinates, None for everything; ``detail_m``, 0 for all."""
+    """What is read of a file: ``box`` in the file's own coordinates, None for everything; ``detail_m``, 0 for all.
+
+    ``margin``, in the unit of the file, is how far beyond the box it is looked whether the file goes on.
+    """
 
     box: Box | None = None
     detail_m: float = 0.0
+    margin: float = 0.0
 
     def holds(self, points: Floats) -> Bools:
         """Return which points (n, 3), in the file's own coordinates, lie in the box, its faces included: (n,)."""

@@ -10,6 +10,8 @@ import numpy as np
 
 from stair_inspector.errors import ReadError
 from stair_inspector.files.cleaning import check_range
+from stair_inspector.files.cropping import find_near
+from stair_inspector.files.file_part import WHOLE_FILE, FilePart
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh
 from stair_inspector.geometry.arrays import Floats, Ints
 from stair_inspector.geometry.polygons import triangulate
@@ -84,7 +86,9 @@ def mesh_of_polygons(cloud: RawCloud, corners: Ints, lengths: Ints) -> RawCloud 
     return RawMesh(cloud.points[found.triangles], colors, None, notes)
 
 
-def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud, DecidedUnit]:
+def cloud_of_mesh(
+    mesh: RawMesh, decided: DecidedUnit | None, part: FilePart = WHOLE_FILE
+) -> tuple[RawCloud, DecidedUnit]:
     """Return points spread evenly over the faces of a mesh, and the unit of the file.
 
     Parameters
@@ -92,7 +96,9 @@ def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud,
     mesh : RawMesh
         As it was read.
     decided : DecidedUnit, optional
-        As a person or the format stated it; without it points on the faces decide.
+        As a person or the format stated it; without it points on all faces decide.
+    part : FilePart
+        Faces wholly outside of its box, and of what is looked at beside it, get no points.
 
     Returns
     -------
@@ -107,7 +113,7 @@ def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud,
     Raises
     ------
     ReadError
-        No face with an area, or coordinates that are garbage.
+        No face with an area, or none near the box, or coordinates that are garbage.
     """
     values = _distinct_faces(mesh)
     faces = values[:, :, :3]
@@ -119,13 +125,19 @@ def cloud_of_mesh(mesh: RawMesh, decided: DecidedUnit | None) -> tuple[RawCloud,
         hidden = find_hidden(parts, points, on)
         decided = decide_unit(points if hidden is None else points[~hidden])
     per_unit = METRES_PER_UNIT[decided.unit]
-    counts = points_per_triangle(areas, SPACING_M / per_unit, MOST_POINTS)
-    sampled, on = sample_triangles(values, counts)
+    near = np.flatnonzero(find_near(faces, part.box, per_unit))
+    if not len(near):
+        raise ReadError("has no faces in the box of --crop, which is in the file's own coordinates; give another")
+    counts = points_per_triangle(areas[near], SPACING_M / per_unit, MOST_POINTS)
+    sampled, on = sample_triangles(values[near], counts)
+    # Which solid a face is of, and what that hides, all of the mesh tells.
+    on = near[on]
     is_hidden = find_hidden(parts, sampled[:, :3], on)
-    each = np.sqrt(areas / counts) * per_unit
+    each = np.sqrt(areas[near] / counts) * per_unit
     thinner = ", the largest faces thinner" if each.max() > 1.001 * each.min() else ""
+    beside = f", but for {len(areas) - len(near):,} away from the box," if len(near) < len(areas) else ""
     message = (
-        f"a mesh: its {len(mesh.corners):,} faces were sampled with {len(sampled):,} points, about "
+        f"a mesh: its {len(mesh.corners):,} faces{beside} were sampled with {len(sampled):,} points, about "
         f"{1000.0 * float(each.min()):.3g} mm apart{thinner}; what its maker smoothed, no U here holds"
     )
     notes = [*mesh.notes, Note("faces_sampled", READ_STAGE, message)]

@@ -18,6 +18,7 @@ from stair_inspector.declarations import check_value, parse_box
 from stair_inspector.errors import ColumnsUnclear, DegenerateGeometry, ReadError
 from stair_inspector.files.archives import ARCHIVE_SUFFIXES, is_archive, unpack_scan
 from stair_inspector.files.cleaning import check_range, count_repeats, first_occurrences, to_local_metres, unit_normals
+from stair_inspector.files.cropping import cut_out, part_of_file, scan_part
 from stair_inspector.files.file_part import FilePart
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh, ScanFormat, excerpt
 from stair_inspector.files.raw_mesh import cloud_of_mesh
@@ -147,8 +148,8 @@ def read_scan(
         What the columns of a text are, as ``-,x,y,z``; see :func:`stair_inspector.columns.parse_columns`. Other formats
         name their own.
     crop : str
-        Box of the file that is read, ``xmin,ymin,zmin,xmax,ymax,zmax`` in its own coordinates; '' reads all. Of a COPC
-        only the cells that it touches are unpacked.
+        Box of the file that is read, ``xmin,ymin,zmin,xmax,ymax,zmax`` in its own coordinates, of a glTF after it was
+        turned z up; '' reads all. Of a COPC only the cells near it are unpacked, of a mesh its faces near it sampled.
     detail_m : float
         Of a COPC only the levels are read that points so far apart need, in the unit of the file; 0 reads all.
 
@@ -179,7 +180,7 @@ def read_scan(
     check_value("unit", unit, ScanUnit, None)
     check_value("station", station, str, None)
     named = parse_columns(columns)
-    part = FilePart(parse_box(crop, "crop", "the file's own coordinates"), detail_m)
+    part = part_of_file(parse_box(crop, "crop", "the file's own coordinates"), detail_m, unit)
     path = Path(path)
     data = _read_bytes(path)
     try:
@@ -278,7 +279,7 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, part: FilePart, name: str
     stated = unit if unit != "auto" else read.unit
     decided = None if stated is None else DecidedUnit(stated)
     if isinstance(raw, RawMesh):
-        raw, decided = cloud_of_mesh(raw, decided)
+        raw, decided = cloud_of_mesh(raw, decided, part)
     notes = list(raw.notes)
     n_points = len(raw.points)
     kept = np.flatnonzero(np.isfinite(raw.points).all(axis=1))
@@ -290,12 +291,10 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, part: FilePart, name: str
     if 1 < np.count_nonzero(is_no_return) < len(kept):
         notes.append(_dropped("no_return_dropped", int(is_no_return.sum()), n_points, "all at 0, 0, 0: no return"))
         kept = kept[~is_no_return]
+    outside = kept[:0]
     if part.box is not None:
-        n_before, kept = len(kept), kept[part.holds(raw.points[kept])]
-        if not len(kept):
-            raise ReadError("has no points in the box of --crop, which is in the file's own coordinates; give another")
-        message = f"{len(kept):,} of {n_before:,} points read lie in the box of --crop; the others were left out"
-        notes.append(Note("cropped", READ_STAGE, message))
+        kept, outside, note = cut_out(raw.points, kept, part)
+        notes.append(note)
     if part.detail_m and not raw.has_levels:
         message = "detail_m changes nothing: this scan has no levels of detail, as COPC has; every point was read"
         notes.append(Note("detail_ignored", READ_STAGE, message))
@@ -319,6 +318,7 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, part: FilePart, name: str
             message = "the normals in the file were dropped: some are zero or not finite"
             notes.append(Note("normals_dropped", READ_STAGE, message))
     colors: Colors | None = None if raw.colors is None else raw.colors[kept]
+    metres = METRES_PER_UNIT[decided.unit]
     return Scan(
         points=local,
         origin_m=origin_m,
@@ -331,10 +331,11 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, part: FilePart, name: str
         notes=tuple(notes),
         observations=decided.observations,
         repeats=repeats,
-        stated_steps_m=None if raw.step is None else raw.step * METRES_PER_UNIT[decided.unit],
-        facet_m=None if raw.facet is None else raw.facet * METRES_PER_UNIT[decided.unit],
+        stated_steps_m=None if raw.step is None else raw.step * metres,
+        facet_m=None if raw.facet is None else raw.facet * metres,
         is_outward=None if raw.is_outward is None else raw.is_outward[kept],
-        stations=_stations(raw.stations, kept, METRES_PER_UNIT[decided.unit], origin_m),
+        stations=_stations(raw.stations, kept, metres, origin_m),
+        part=None if part.box is None else scan_part(part.box, raw.points[outside], metres, origin_m),
     )
 
 

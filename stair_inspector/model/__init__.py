@@ -20,15 +20,27 @@ from stair_inspector.model.heights import (
     Up,
 )
 from stair_inspector.model.inspection import Inspection, ScanSummary
-from stair_inspector.model.notes import BLURRED, IMPOSSIBLE, NO_NOSING, Note, Observation
+from stair_inspector.model.notes import (
+    BLURRED,
+    CUT_BACK,
+    CUT_FRONT,
+    CUT_SIDES,
+    IMPOSSIBLE,
+    NO_NOSING,
+    Note,
+    Observation,
+)
 from stair_inspector.model.paper import Axes, Edges, Extents, NearestPoints, PaperValues
-from stair_inspector.model.scan import Examination, Moved, Scan, ScanStations
+from stair_inspector.model.scan import Examination, Moved, ReadPart, Scan, ScanStations
 from stair_inspector.model.shapes import Arc, LocalPlane, StepShape
 from stair_inspector.model.steps import Flight, Measured, Statistics, Step
 from stair_inspector.model.surfaces import NO_CHAINS, Chain, Chains, Patch, Patches, Surface, Surfaces
 
 __all__ = [
     "BLURRED",
+    "CUT_BACK",
+    "CUT_FRONT",
+    "CUT_SIDES",
     "FLOOR_LABEL",
     "IMPOSSIBLE",
     "NON_STAIR_LABEL",
@@ -59,6 +71,7 @@ __all__ = [
     "PaperValues",
     "Patch",
     "Patches",
+    "ReadPart",
     "Scan",
     "ScanStations",
     "ScanSummary",

@@ -15,11 +15,14 @@ class Note:
 
 
 IMPOSSIBLE, BLURRED = "step_impossible", "step_blurred"
+CUT_SIDES, CUT_BACK, CUT_FRONT = "region_cuts", "region_cuts_back", "region_cuts_front"
+"""Codes of the notes on a step that the region of interest, or the box of the file that was read, cuts through."""
 
 
-NO_NOSING = (IMPOSSIBLE, BLURRED)
+NO_NOSING = (IMPOSSIBLE, BLURRED, CUT_FRONT)
 """Codes of the notes on a step whose nosing gives no values: neither its own, nor the going up to it, nor the rise over
-it. The first says that no staircase has what was found, the second that a camera saw it too badly."""
+it. The first says that no staircase has what was found, the second that a camera saw it too badly, the third that it
+was cut off."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,6 +47,21 @@ class ScanStations:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ReadPart:
+    """The part of a file that was read: ``box_m`` (2, 3), lowest and highest corner, metres in the scan frame.
+
+    ``beyond_m`` (k, 3) local are the points of the file that lie just outside the box: what they go on with, it cuts.
+    """
+
+    box_m: Floats
+    beyond_m: Floats
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "box_m", own(self.box_m, (2, 3), "box_m"))
+        object.__setattr__(self, "beyond_m", own(self.beyond_m, (None, 3), "beyond_m"))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Scan:
     """A point cloud in metres near zero.
 
@@ -59,7 +74,7 @@ class Scan:
     two opposite faces of one thing have opposite normals. None of a scan. ``stated_steps_m`` (3,) on which the
     coordinates lie by the word of the file, as of LAS its scale; None where it says nothing. ``facet_m`` is the
     length of the edges of a mesh whose faces are measured ones, as a phone's; None of a scan and of a drawn model.
-    ``stations`` tell which saw each point, where the file does.
+    ``stations`` tell which saw each point, where the file does. ``part`` is what was read of the file, None for all.
     """
 
     points: Floats
@@ -77,6 +92,7 @@ class Scan:
     stated_steps_m: Floats | None = None
     facet_m: float | None = None
     stations: ScanStations | None = None
+    part: ReadPart | None = None
 
     def __post_init__(self) -> None:
         n = len(self.points)

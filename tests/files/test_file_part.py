@@ -6,6 +6,7 @@ import time
 import laspy
 import numpy as np
 import pytest
+import trimesh
 
 from stair_inspector.errors import ConfigError, ReadError
 from stair_inspector.files.file_part import FilePart
@@ -15,7 +16,7 @@ from stair_inspector.files.scans import read_scan
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from tests.files.copc_files import copc_file
-from tests.files.models import exported, stair_of_solids
+from tests.files.models import box, exported, stair_of_solids
 from tests.files.test_las import las_file
 from tests.files.test_mesh_damage import damaged
 from tests.synthetic import Stair
@@ -86,11 +87,53 @@ def test_every_format_is_cropped_in_its_own_coordinates(tmp_path, name):
     assert scan.n_points == len(POINTS)
 
 
+@pytest.mark.parametrize("name", ["a.ply", "a.copc.laz"])
+def test_what_the_file_goes_on_with_beside_the_box_is_known(tmp_path, name):
+    # The face x = 1.98 lies 20 mm before a border of the octree's cells.
+    box = ((0.5, 0.5, 0.5), (1.98, 1.5, 1.5))
+    (tmp_path / name).write_bytes(ply_bytes(POINTS) if name == "a.ply" else copc_file(POINTS)[0])
+    scan = read_scan(tmp_path / name, "m", crop=text_of(box))
+    assert scan.part.box_m.tolist() == [list(corner) for corner in box]
+    beyond = scan.part.beyond_m + scan.origin_m
+    assert not FilePart(box).holds(beyond).any()
+    near = POINTS[np.all((np.array(box[0]) - 0.04 <= POINTS) & (np.array(box[1]) + 0.04 >= POINTS), axis=1)]
+    wanted = near[~FilePart(box).holds(near)]
+    assert np.count_nonzero(wanted[:, 0] > 2.0)
+    assert {tuple(row) for row in wanted.round(4)} <= {tuple(row) for row in beyond.round(4)}
+    assert np.abs(np.clip(beyond, *box) - beyond).max() <= 0.15
+    assert read_scan(tmp_path / name, "m").part is None
+
+
 def test_the_points_of_a_mesh_are_cropped(tmp_path):
     (tmp_path / "a.ply").write_bytes(exported(stair_of_solids(2), "a.ply"))
     scan = read_scan(tmp_path / "a.ply", "m", crop="0,0,0.1,1,1,1")
     assert len(scan.points) > 1000
     assert np.all((scan.points >= [0.0, 0.0, 0.1]) & (scan.points <= 1.0))
+
+
+def test_a_part_of_a_large_mesh_is_sampled_as_densely_as_a_small_one(tmp_path):
+    stair = stair_of_solids(2)
+    far = [box([40.0 + k, 0.0, 0.0], [60.0 + k, 30.0, 0.3]) for k in range(4)]
+    (tmp_path / "a.stl").write_bytes(exported(stair, "a.stl"))
+    (tmp_path / "b.stl").write_bytes(exported(trimesh.util.concatenate([stair, *far]), "b.stl"))
+    crop = "-1,-1,-1,2,2,2"
+    alone, part = (read_scan(tmp_path / name, "m", crop=crop) for name in ("a.stl", "b.stl"))
+    assert np.array_equal(part.points, alone.points)
+    (told,) = [note.message for note in part.notes if note.code == "faces_sampled"]
+    # Those of the four, and two of the stair that lie lower than the box.
+    assert "faces, but for 50 away from the box, were sampled with" in told
+    with pytest.raises(ReadError, match="has no faces in the box of --crop"):
+        read_scan(tmp_path / "b.stl", "m", crop="-9,-9,-9,-8,-8,-8")
+
+
+def test_the_box_of_a_gltf_is_that_of_the_scan_z_up(tmp_path):
+    (tmp_path / "a.glb").write_bytes(exported(stair_of_solids(2), "a.glb"))
+    whole = read_scan(tmp_path / "a.glb")
+    low, high = whole.points.min(axis=0) - 0.1, whole.points.max(axis=0) + 0.1
+    middle = float(np.median(whole.points[:, 2]))
+    part = read_scan(tmp_path / "a.glb", crop=text_of((low, (*high[:2], middle))))
+    assert 0 < len(part.points) < len(whole.points)
+    assert part.points[:, 2].max() <= middle
 
 
 def test_a_stair_is_measured_in_its_part_as_if_there_were_no_more(tmp_path):
