@@ -91,7 +91,7 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     survey = memo.run(
         "survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, lines, doubts, shown, examined
     )
-    survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey), limits, shapes, examined)
+    survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey, scan), limits, shapes, examined)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, spent)
     if not concluded.steps and not is_hopeless:
         tried = memo.run("suggested", try_suggested, heights, is_sparse, params, forced)

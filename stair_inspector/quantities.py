@@ -17,7 +17,7 @@ from stair_inspector.measured import (
     two_r_plus_g_of,
     usable,
 )
-from stair_inspector.model import Measured, Step
+from stair_inspector.model import CUT_BACK, CUT_SIDES, Measured, Step
 from stair_inspector.quantity_types import NOTATIONS, PaperQuantity, Quantity, ReportPlace, SiUnit
 
 RISE = Quantity(
@@ -63,6 +63,7 @@ WIDTH = Quantity(
     of_step=lambda step, _: step.width_m,
     of_flight=lambda flight, _: flight.width_m,
     doubted_by=("side_unobserved",),
+    lost_by=((0, CUT_SIDES),),
     note_words=("width", "side"),
     is_other_in_codes=True,
     place=ReportPlace("steps", 5),
@@ -92,7 +93,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         rests_on="nosing",
         is_of_line=True,
         doubted_by=("nosing_unobserved", "back_hidden"),
-        lost_by=((0, "back_unobserved"),),
+        lost_by=((0, "back_unobserved"), (0, CUT_BACK)),
         note_words=("depth", "back"),
         is_other_in_codes=True,
         place=ReportPlace("steps", 3),
@@ -110,7 +111,7 @@ QUANTITIES: tuple[Quantity, ...] = (
         may_be_negative=True,
         is_size=False,
         doubted_by=("back_hidden",),
-        lost_by=((1, "tread_missing"), (0, "back_unobserved")),
+        lost_by=((1, "tread_missing"), (0, "back_unobserved"), (0, CUT_BACK)),
         note_words=("overhang", "back", "depth"),
         place=ReportPlace("steps", 4),
     ),

@@ -9,7 +9,7 @@ _ADVICE = re.compile(
     r"give --up\b|if that is wrong, state the unit with --unit|choose the scanner's preset, or set uncertainty\.\*|"
     r"check the up direction|try another axes rule|lower eps_z or raise m|correct overrules\.climb|"
     r"it is answered by:|measure with the method survey|overrule it if that is the step|"
-    r"make the region larger to measure it|"
+    r"make the (?:region|box) larger to measure it|"
     r"as where treads between them were not found: check|if they are steps, give|(?:raise|lower|set|use) --|"
     r"if so, give --unit"
     r").*\Z",

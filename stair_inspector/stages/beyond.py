@@ -10,7 +10,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.plan import angle_deg, in_frame, place_in_frame
-from stair_inspector.model import Arc, Chains, Flight, HeightOrder, Note, StepShape
+from stair_inspector.model import Arc, Chains, Flight, HeightOrder, Note, Scan, StepShape
 from stair_inspector.stages.climbs import find_climbs
 from stair_inspector.stages.survey import Survey
 
@@ -78,7 +78,11 @@ class _Row:
 
 
 def note_what_goes_on(
-    heights: HeightOrder, chains: Chains, shapes: tuple[tuple[StepShape, ...], ...], survey: Survey
+    heights: HeightOrder,
+    chains: Chains,
+    shapes: tuple[tuple[StepShape, ...], ...],
+    survey: Survey,
+    scan: Scan,
 ) -> Survey:
     """Say of every flight what is seen of it beyond its measured steps.
 
@@ -86,7 +90,7 @@ def note_what_goes_on(
     ----------
     heights : HeightOrder
         All points, with their normals' alignment.
-    chains, shapes, survey
+    chains, shapes, survey, scan
         Of the same scan.
 
     Returns
@@ -114,8 +118,13 @@ def note_what_goes_on(
                 is_above, has_riser, found = not above, row is not None and row.has_face, found + above
                 if is_above and _is_nothing_behind(heights, rhythm):
                     lower_m = _level_behind(heights, own[-1])
-                    notes.append(_scan_ends(flight, heights) if lower_m is None else _goes_on_level(flight, lower_m))
-                    is_above = False
+                    if lower_m is None:
+                        notes.append(_scan_ends(flight, heights, is_part=scan.part is not None))
+                        is_above = False
+                    # At the step's own height it is more of the step, which tells neither way.
+                    elif abs(lower_m) >= max(priors.RUNNER_THICKNESS_M[0], own[-1].plane.sigma_m):
+                        notes.append(_goes_on_level(flight, lower_m))
+                        is_above = False
             if is_below:
                 rhythm = _rhythm_of(own[0], climbs[0], size)
                 below = _sentence(_rows(heights, rhythm, others, "below"), "below")
@@ -132,12 +141,14 @@ def note_what_goes_on(
     return replace(survey, flights=tuple(flights), notes=(*survey.notes, *notes)) if notes else survey
 
 
-def _scan_ends(flight: Flight, heights: HeightOrder) -> Note:
+def _scan_ends(flight: Flight, heights: HeightOrder, *, is_part: bool) -> Note:
     last = flight.step_ids[-1]
-    # Outside a region there may be more of it.
-    is_region = len(np.unique(heights.point_ids)) < heights.n_scan
-    cut = "the region of interest" if is_region else "the scan's end"
-    nothing = f"the region holds nothing behind step {last}" if is_region else f"nothing was scanned behind step {last}"
+    cut, nothing = "the scan's end", f"nothing was scanned behind step {last}"
+    # Outside a region or a box there may be more of it.
+    if len(np.unique(heights.point_ids)) < heights.n_scan:
+        cut, nothing = "the region of interest", f"the region holds nothing behind step {last}"
+    elif is_part:
+        cut, nothing = "the box of the file that was read", f"the box holds nothing behind step {last}"
     message = (
         f"flight {flight.flight_id} is cut by {cut}: {nothing}, which is no landing; whether more risers follow is not "
         "known"

@@ -46,8 +46,6 @@ def flight_of(
 ) -> Flight:
     """Return the values of one flight from those of its steps."""
     climb = find_climbs(chain, shapes)[0]
-    treads = [step for step in steps if step.kind == "tread"] or list(steps)
-    widths = [step.width_m for step in treads if step.width_m is not None]
     return Flight(
         flight_id=flight_id,
         step_ids=tuple(step.step_id for step in steps),
@@ -55,11 +53,17 @@ def flight_of(
         shape=_shape_name(chain, shapes),
         climb=own(context.scan_from_level[:, :2] @ climb, (3,), "climb"),
         pitch_deg=_best_pitch(chain, shapes, steps, context),
-        width_m=_mean_of(widths),
+        width_m=mean_width_of(steps),
         rise=statistics_of([(step.step_id, step.rise_m) for step in steps]),
         going=statistics_of([(step.step_id, step.going_m) for step in steps if step.kind == "tread"]),
         radius_m=_radius_of(shapes[0].arc, context),
     )
+
+
+def mean_width_of(steps: Sequence[Step]) -> Measured | None:
+    """Return the mean width of a flight's treads, or of its landing where that is all; None where none has one."""
+    treads = [step for step in steps if step.kind == "tread"] or list(steps)
+    return _mean_of([step.width_m for step in treads if step.width_m is not None])
 
 
 def _radius_of(arc: Arc | None, context: Common) -> Measured | None:

@@ -1,4 +1,4 @@
-"""Is what was measured a step at all? Values that no staircase has are taken out, with the reason in their place."""
+"""Is what was measured a step, and all of it? Values that are none are taken out, with the reason in their place."""
 
 import dataclasses
 import math
@@ -10,12 +10,26 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import BLURRED, IMPOSSIBLE, Examination, Flight, Note, Step, StepShape
+from stair_inspector.model import (
+    BLURRED,
+    CUT_FRONT,
+    CUT_SIDES,
+    IMPOSSIBLE,
+    Examination,
+    Flight,
+    Horizontal,
+    Note,
+    Patches,
+    Scan,
+    Step,
+    StepShape,
+)
 from stair_inspector.params import FlightsParams
 from stair_inspector.quantities import IN_TABLE, OF_STEP
 from stair_inspector.quantity_types import Quantity, RestsOn
 from stair_inspector.stages.blurred import find_blurred
-from stair_inspector.stages.flight_values import statistics_of
+from stair_inspector.stages.flight_values import mean_width_of, statistics_of
+from stair_inspector.stages.region import note_region_cuts
 from stair_inspector.stages.survey import Survey
 
 
@@ -37,6 +51,8 @@ _UP_TO_NOSING = _fields_of("from_below")
 """What a step has from the nosing below to its own."""
 _OF_NOSING = (*_UP_TO_NOSING, *_fields_of("nosing"), *_OVER_NOSING)
 """What of a step hangs on its own nosing."""
+_OF_SIDES, _OF_BACK = ("width_m",), ("tread_depth_m", "nosing_overhang_m")
+"""What of a step hangs on its sides, and on its back edge."""
 _POSITIVE = tuple(
     quantity for quantity in IN_TABLE if quantity.unit == "m" and quantity.rests_on != "to_next" and quantity.field
 )
@@ -102,11 +118,62 @@ def take_out_impossible(
         # What is out needs no other reason.
         left = [_without_fields(step, lost.fields.get(step.step_id, ())) for step in own]
         _review_flight(left, flight.shape == "straight", steepest_deg, lost)
-    if not lost.fields:
+    return _taken_out(survey, lost) if lost.fields else survey
+
+
+def take_out_cut(survey: Survey, scan: Scan, horizontal: Horizontal, patches: Patches, region: str) -> Survey:
+    """Take out of a survey what ends at a face of the region of interest, or of the box of the file that was read.
+
+    Parameters
+    ----------
+    survey : Survey
+        As it was measured.
+    scan, horizontal, patches
+        Of the same scan.
+    region : str
+        As ``overrules.region`` gives it; empty for none.
+
+    Returns
+    -------
+    Survey
+        The same one where nothing is cut. Otherwise a step whose sides are cut has no width, one whose back is cut no
+        depth, one whose front is cut nothing that is measured from its nosing; a note says so of each.
+    """
+    if not region and scan.part is None:
         return survey
+    own = [patches.surfaces[number] for number in survey.surfaces]
+    points = [scan.points[horizontal.point_ids[surface.rows]] for surface in own]
+    spacings_m = [surface.spacing_m for surface in own]
+    notes = note_region_cuts(scan, horizontal.up, region, survey.steps, points, spacings_m)
+    if not notes:
+        return survey
+    lost = _Lost(notes=notes)
+    by_id = {step.step_id: step for step in survey.steps}
+    for note in notes:
+        flight = next(flight for flight in survey.flights if note.step in flight.step_ids)
+        steps = [by_id[number] for number in flight.step_ids]
+        k = next(k for k, step in enumerate(steps) if step.step_id == note.step)
+        if note.code == CUT_FRONT:
+            lost.take_nosing(steps, k)
+        else:
+            lost.take(steps[k], *(_OF_SIDES if note.code == CUT_SIDES else _OF_BACK))
+    return _taken_out(survey, lost, with_widths=True)
+
+
+def _taken_out(survey: Survey, lost: _Lost, *, with_widths: bool = False) -> Survey:
     steps = tuple(_without_fields(step, lost.fields.get(step.step_id, ())) for step in survey.steps)
     flights = tuple(_without(flight, steps, lost.fields.keys()) for flight in survey.flights)
+    if with_widths:
+        flights = tuple(_with_width(flight, steps, lost) for flight in flights)
     return dataclasses.replace(survey, steps=steps, flights=flights, notes=(*survey.notes, *lost.notes))
+
+
+def _with_width(flight: Flight, steps: Sequence[Step], lost: _Lost) -> Flight:
+    """Return a flight with the width of those of its steps that still have one."""
+    own = [step for step in steps if step.step_id in flight.step_ids]
+    if not any("width_m" in lost.fields.get(step.step_id, ()) for step in own):
+        return flight
+    return dataclasses.replace(flight, width_m=mean_width_of(own))
 
 
 def _without_fields(step: Step, names: Iterable[str]) -> Step:

@@ -1,12 +1,13 @@
-"""Does the region of interest cut through a step? Then its sides there are the region's, not the stair's."""
+"""Does the region of interest, or the box that was read of the file, cut through a step? That is no side of it."""
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Floats, Point
-from stair_inspector.model import Horizontal, Note, Patches, Scan, Step, Up
+from stair_inspector.geometry.arrays import Floats
+from stair_inspector.model import CUT_BACK, CUT_FRONT, CUT_SIDES, Horizontal, Note, Patches, Scan, Step, Up
 from stair_inspector.overrules import parse_region
 
 _AT_FACE_M, _AT_FACE_SPACINGS = 0.02, 3.0
@@ -19,12 +20,18 @@ _FEWEST_POINTS = 5
 _GOES_ON_SHARE = 0.3
 """A surface goes on beyond a face where it has at least this share of the points that it has on the near side."""
 _UPRIGHT = math.cos(math.radians(45.0))
+_TOWARDS = math.sin(math.radians(20.0))
+_WHAT_IS_LOST = (
+    (CUT_FRONT, ("front",), "that is no nosing, and nothing is measured from it"),
+    (CUT_BACK, ("back",), "its depth is not that of the stair and has no value"),
+    (CUT_SIDES, ("left", "right"), "its width is not that of the stair and has no value"),
+)
 
 
 def note_region_cuts(
     scan: Scan, up: Up, region: str, steps: Sequence[Step], points: Sequence[Floats], spacings_m: Sequence[float]
 ) -> list[Note]:
-    """Note every step that a face of the region of interest cuts through.
+    """Note every step that a face of the region of interest, or of the box that was read, cuts through.
 
     Parameters
     ----------
@@ -44,31 +51,37 @@ def note_region_cuts(
     Returns
     -------
     list of Note
-        For each step that ends at an upright face of the region while the scan goes on behind it, what of it is the
-        region's and not the stair's.
+        For each step that ends at an upright face while the scan, or the file, goes on behind it, what of it is not the
+        stair's: of the codes ``CUT_SIDES``, ``CUT_BACK`` and ``CUT_FRONT``.
     """
-    box = parse_region(region)
-    if box is None:
-        return []
+    notes: list[Note] = []
+    for limit in _limits_of(scan, region):
+        notes += _note_cuts(limit, up, steps, points, spacings_m)
+    return notes
+
+
+def _note_cuts(
+    limit: "_Limit", up: Up, steps: Sequence[Step], points: Sequence[Floats], spacings_m: Sequence[float]
+) -> list[Note]:
     notes = []
     for step, own, spacing_m in zip(steps, points, spacings_m, strict=True):
         if step.climb is None:
             continue
         left = np.cross(up.vector, step.climb)
-        cut = {_side_of(*face, step.climb, left) for face in _cut_faces(scan, up, box, own, spacing_m)}
-        for names, what in ((("left", "right"), "width"), (("front", "back"), "depth")):
+        cut = {side for face in _cut_faces(limit, up, own, spacing_m) for side in _sides_of(*face, step.climb, left)}
+        for code, names, lost in _WHAT_IS_LOST:
             sides = [name for name in names if name in cut]
             if sides:
                 message = (
-                    f"the region of interest cuts through step {step.step_id} on its {' and '.join(sides)}: its {what} "
-                    "is that of the region, not of the stair; make the region larger to measure it"
+                    f"{limit.name} cuts through step {step.step_id} on its {' and '.join(sides)}: {lost}; make the "
+                    f"{limit.short_name} larger to measure it"
                 )
-                notes.append(Note("region_cuts", "verdict", message, step.step_id))
+                notes.append(Note(code, "verdict", message, step.step_id))
     return notes
 
 
 def find_cut_faces(scan: Scan, horizontal: Horizontal, patches: Patches, region: str) -> dict[int, tuple[Floats, ...]]:
-    """Find the surfaces that end at the region of interest while the scan goes on behind its face.
+    """Find the surfaces that end at the region of interest, or the box that was read, and go on behind its face.
 
     Parameters
     ----------
@@ -84,40 +97,60 @@ def find_cut_faces(scan: Scan, horizontal: Horizontal, patches: Patches, region:
     dict
         For each such surface, by its number, the directions of the plan, (2,), in which its cut faces look out.
     """
-    box = parse_region(region)
-    if box is None:
+    limits = _limits_of(scan, region)
+    if not limits:
         return {}
     found: dict[int, tuple[Floats, ...]] = {}
     for number, surface in enumerate(patches.surfaces):
         own = scan.points[horizontal.point_ids[surface.rows]]
         spacing_m = surface.spacing_m
-        cut = _cut_faces(scan, horizontal.up, box, own, spacing_m)
+        cut = [face for limit in limits for face in _cut_faces(limit, horizontal.up, own, spacing_m)]
         if cut:
             found[number] = tuple(sign * horizontal.level_from_scan[:2, axis] for axis, sign in cut)
     return found
 
 
-def _cut_faces(scan: Scan, up: Up, box: tuple[Point, Point], own: Floats, spacing_m: float) -> list[tuple[int, float]]:
-    """Return the upright faces of the region that cut through a surface: axis, and sign of the side they look out."""
-    bounds = np.array(box) - scan.origin_m
+@dataclass(frozen=True, slots=True, eq=False)
+class _Limit:
+    """A box outside of which nothing is measured: ``bounds`` (2, 3) and the ``points`` (n, 3) that are known; local."""
+
+    name: str
+    short_name: str
+    bounds: Floats
+    points: Floats
+
+
+def _limits_of(scan: Scan, region: str) -> list[_Limit]:
+    """Return the region of interest and the box that was read of the file, those that there are."""
+    limits = []
+    box = parse_region(region)
+    if box is not None:
+        limits.append(_Limit("the region of interest", "region", np.array(box) - scan.origin_m, scan.points))
+    if scan.part is not None:
+        bounds = scan.part.box_m - scan.origin_m
+        limits.append(_Limit("the box of the file that was read", "box", bounds, scan.part.beyond_m))
+    return limits
+
+
+def _cut_faces(limit: _Limit, up: Up, own: Floats, spacing_m: float) -> list[tuple[int, float]]:
+    """Return the upright faces of a box that cut through a surface: axis, and sign of the side they look out."""
     return [
         (axis, sign)
         for axis in range(3)
-        for bound, sign in zip(bounds[:, axis], (-1.0, 1.0), strict=True)
-        if abs(up.vector[axis]) < _UPRIGHT and _is_cut(scan, up, own, spacing_m, axis, float(bound), sign)
+        for bound, sign in zip(limit.bounds[:, axis], (-1.0, 1.0), strict=True)
+        if abs(up.vector[axis]) < _UPRIGHT and _is_cut(limit.points, up, own, spacing_m, axis, float(bound), sign)
     ]
 
 
-def _side_of(axis: int, sign: float, climb: Floats, left: Floats) -> str:
-    """Return on which side of a step a face of the region lies, as seen when climbing."""
+def _sides_of(axis: int, sign: float, climb: Floats, left: Floats) -> list[str]:
+    """Return on which sides of a step a face of a box lies, as seen when climbing: on two where it runs aslant."""
     ahead, aside = sign * float(climb[axis]), sign * float(left[axis])
-    if abs(ahead) > abs(aside):
-        return "back" if ahead > 0.0 else "front"
-    return "left" if aside > 0.0 else "right"
+    sides = (("back", ahead), ("front", -ahead), ("left", aside), ("right", -aside))
+    return [name for name, towards in sides if towards > _TOWARDS]
 
 
-def _is_cut(scan: Scan, up: Up, own: Floats, spacing_m: float, axis: int, bound: float, sign: float) -> bool:
-    """Return whether a surface reaches a face of the region along an edge, and the scan goes on behind it."""
+def _is_cut(points: Floats, up: Up, own: Floats, spacing_m: float, axis: int, bound: float, sign: float) -> bool:
+    """Return whether a surface reaches a face of a box along an edge, and points (n, 3) go on behind it."""
     near_m = max(_AT_FACE_M, _AT_FACE_SPACINGS * spacing_m)
     at_face = own[np.abs(own[:, axis] - bound) <= near_m]
     if len(at_face) < _FEWEST_POINTS:
@@ -132,8 +165,8 @@ def _is_cut(scan: Scan, up: Up, own: Floats, spacing_m: float, axis: int, bound:
     seen_m = float(np.ptp(np.percentile(behind, [1.0, 99.0])))
     if high - low < min(_LEAST_CUT_M, _LEAST_CUT_SHARE * seen_m):
         return False
-    beyond = sign * (scan.points[:, axis] - bound)
-    candidates = scan.points[(beyond > 0.0) & (beyond <= max(_BEYOND_M, near_m))]
+    beyond = sign * (points[:, axis] - bound)
+    candidates = points[(beyond > 0.0) & (beyond <= max(_BEYOND_M, near_m))]
     height_m = float(np.median(at_face @ up.vector))
     place = candidates @ along
     is_near = (np.abs(candidates @ up.vector - height_m) <= _SAME_HEIGHT_M) & (place >= low) & (place <= high)

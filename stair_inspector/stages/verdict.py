@@ -31,8 +31,8 @@ from stair_inspector.model import (
 )
 from stair_inspector.params import Params
 from stair_inspector.stages.causes import MERGED_M, why_no_flight
+from stair_inspector.stages.impossible import take_out_cut
 from stair_inspector.stages.paper import measure_h, review_steps
-from stair_inspector.stages.region import note_region_cuts
 from stair_inspector.stages.rejects import Forced, explain_rejects
 from stair_inspector.stages.survey import Survey
 from stair_inspector.stages.units import ask_unit
@@ -113,6 +113,7 @@ def conclude_survey(
     Inspection
         Without steps, and with the reason in a note, where there is no staircase.
     """
+    survey = take_out_cut(survey, scan, horizontal, patches, paper.params.overrules.region)
     named = _name_patches(paper, scan, patches, chains, forced, survey)
     patch_of_row = np.full(len(horizontal.point_ids), -1, dtype=np.int64)
     # One label more, at the end, for the points of no patch: the patch -1.
@@ -130,7 +131,6 @@ def conclude_survey(
             *(paper.axes.notes if paper.axes is not None else ()),
             *survey.notes,
             *_disagreement(survey, paper.up),
-            *_region_cuts(paper, scan, horizontal, patches, survey),
         ]
     else:
         reason = why_no_flight(scan, paper, horizontal, patches, chains, forced)
@@ -265,17 +265,6 @@ def _disagreement(survey: Survey, up: Up) -> list[Note]:
         f"{1000.0 * priors.USUAL_GOING_M * math.tan(math.radians(lean_deg)):.0f} mm"
     )
     return [Note("treads_lean", "verdict", message)]
-
-
-def _region_cuts(paper: Inspection, scan: Scan, horizontal: Horizontal, patches: Patches, survey: Survey) -> list[Note]:
-    """Note every step that the region of interest cuts through, if there is one."""
-    region = paper.params.overrules.region
-    if not region:
-        return []
-    own = [patches.surfaces[number] for number in survey.surfaces]
-    points = [scan.points[horizontal.point_ids[surface.rows]] for surface in own]
-    spacings_m = [surface.spacing_m for surface in own]
-    return note_region_cuts(scan, paper.up, region, survey.steps, points, spacings_m)
 
 
 def _angle_deg(a: Floats, b: Floats) -> float:

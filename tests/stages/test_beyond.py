@@ -108,6 +108,19 @@ def test_what_a_region_leaves_out_was_scanned():
     assert "is cut by the region of interest: the region holds nothing behind step 6" in told
 
 
+@pytest.mark.parametrize(("lower_m", "is_other"), [(0.0, False), (0.002, False), (0.01, True)])
+def test_a_level_surface_behind_is_another_one_only_where_its_height_is(lower_m, is_other):
+    points, normals = seen_from_the_foot(STAIR, 4, 4)
+    # So few points behind the last tread that they are no part of its surface.
+    is_last = (np.abs(points[:, 2] - 4 * STAIR.rise) < 0.01) & (normals[:, 2] > 0.9)
+    behind = points[is_last][::50] + np.array([STAIR.going + 0.1, 0.0, -lower_m])
+    more = np.tile([0.0, 0.0, 1.0], (len(behind), 1))
+    *_, inspection = found(np.concatenate([points, behind]), np.concatenate([normals, more]))
+    codes = {note.code for note in inspection.notes}
+    assert ("two_levels" in codes) == is_other
+    assert ("end_unseen" in codes) != is_other
+
+
 @pytest.mark.parametrize("n_risers", [4, 5])
 def test_a_wall_or_a_riser_behind_the_last_tread_is_no_end_of_the_scan(n_risers):
     points, normals = seen_from_the_foot(STAIR, 4, 5)
