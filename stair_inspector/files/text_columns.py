@@ -46,7 +46,16 @@ _BRACKETS = {"]": "[", ")": "(", ">": "<", "}": "{"}
 _MARKS = re.compile(r"[^a-z0-9]+")
 _ANY_SEPARATOR = re.compile(r"[,;|\s]+")
 _BEFORE_BRACKET = re.compile(r"(?<=\S)[ \t]{1,9}(?=[\[(<{])")
-_UNIT_REMARK = re.compile(r"\bunits?\s{0,3}[:=]\s{0,3}([a-z]{1,12})\b", re.IGNORECASE)
+_UNIT_REMARK = re.compile(
+    r"(\w{0,30})\s{0,3}\bunits?\s{0,3}[:=]\s{0,3}(?:in\s{1,3}(?=[a-z]))?([a-z]+)(?![\w/*^])", re.IGNORECASE
+)
+_OTHER_UNIT = re.compile(
+    r"angle|angular|rotation|intensit|reflect|amplitude|veloc|speed|time|temperature|colou?r|normal|area|density|pressure",
+    re.IGNORECASE,
+)
+"""What a remark before "unit" may speak of beside lengths."""
+_LABEL = re.compile(r"\s*([^\d,;|\t:]{1,40}):(?=\s)")
+_DEGREES = frozenset(("lat", "latitude", "lon", "long", "lng", "longitude"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +100,27 @@ def unit_of_word(word: str) -> KnownUnit | None:
 
 def unit_of_remark(line: bytes) -> KnownUnit | None:
     """Return the unit that a remark such as ``# units: mm`` states; None where it states none."""
-    found = _UNIT_REMARK.search(decoded(line))
-    return None if found is None else unit_of_word(found.group(1))
+    for found in _UNIT_REMARK.finditer(decoded(line)):
+        unit = unit_of_word(found.group(2))
+        # "In" before a word or a number is no inch.
+        is_preposition = found.group(2).lower() == "in" and found.string[found.end() :].strip()[:1].isalnum()
+        if unit is not None and not is_preposition and _OTHER_UNIT.match(found.group(1)) is None:
+            return unit
+    return None
+
+
+def without_label(line: bytes) -> bytes:
+    """Return a line that may be a header without what leads it: "columns: x y z" names three."""
+    text = decoded(line)
+    label = _LABEL.match(text)
+    if label is None or _MARKS.sub("", _folded(label.group(1))) in _ROLES or label.group(1).strip().lower() in AXES:
+        return line
+    return text[label.end() :].strip().encode()
+
+
+def names_degrees(cells: Sequence[str]) -> bool:
+    """Return whether cells name a latitude or longitude."""
+    return any(_MARKS.sub("", _folded(_split_unit(cell)[0])) in _DEGREES for cell in cells)
 
 
 def decoded(line: bytes) -> str:
@@ -149,9 +177,21 @@ def _split_unit(cell: str) -> tuple[str, str]:
     opening = _BRACKETS.get(cell[-1:])
     if opening is not None:
         name, found, unit = cell[:-1].rpartition(opening)
-        return (name.strip(" _"), unit.strip()) if found and name.strip() else (cell, "")
+        if not found or not name.strip():
+            return cell, ""
+        name, unit = name.strip(" _"), unit.strip()
+        axis = _axis_of(name)
+        # "X (East)" and "Easting (E)" say an axis twice.
+        return name, "" if axis and axis == _axis_of(unit) else unit.removeprefix("in ").strip()
     for mark in ("_", "/", " in ", " "):
         name, found, unit = cell.rpartition(mark)
         if found and name.strip() and unit_of_word(unit) is not None:
             return name.strip(), unit
     return cell, ""
+
+
+def _axis_of(name: str) -> str:
+    """Return the axis that a name means, nothing for none."""
+    short = _MARKS.sub("", _folded(name))
+    axis = short if short in AXES else "z" if short == "up" else _ROLES.get(short, "")
+    return axis if axis in AXES else ""

@@ -15,6 +15,7 @@ _CLEANED = re.compile(rb"[+-]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:n
 """A number among decimal commas, those made points: "1," is none."""
 _FORTRAN = re.compile(rb"[+-]?(?:\d+[.,]?\d*|[.,]\d+)[dD][+-]?\d+")
 _WHOLE = re.compile(rb"[+-]?\d+")
+_DECIMALS = re.compile(rb"\d+(?:[eE][+-]?\d+)?")
 _INLINE = re.compile(rb"[ \t](?:#|//|!)")
 _TO_E = bytes.maketrans(b"dD", b"ee")
 _TO_POINT = bytes.maketrans(b",.", b".'")
@@ -138,9 +139,30 @@ def best_dialect(dialects: Sequence[Dialect], rows: Sequence[bytes]) -> tuple[Di
 
 
 def has_two_readings(dialect: Dialect, rows: Sequence[bytes]) -> bool:
-    """Return whether commas may part numbers or their decimals: "1,5,2,25,3,75" is six numbers, or three."""
+    """Return whether commas may part numbers or their decimals: "1,5,2,25,3,75" is six numbers, or three.
+
+    Of more columns it is so where pairs of them look like the parts of a number in every row: the second has no sign,
+    and exponents, zeros in front or as many digits everywhere.
+    """
     if dialect.separator != b"," or dialect.is_quoted:
         return False
-    n_columns = len(dialect.split(rows[0]))
-    cells = (cell for row in rows for cell in dialect.split(row))
-    return n_columns >= 6 and n_columns % 2 == 0 and all(map(_WHOLE.fullmatch, cells))
+    cells = [dialect.split(row) for row in rows]
+    n_columns = min(map(len, cells))
+    if n_columns >= 6 and n_columns % 2 == 0 and all(_WHOLE.fullmatch(cell) for row in cells for cell in row):
+        return True
+    columns = list(zip(*cells, strict=False))
+    return any(
+        all(
+            _are_parts(whole, decimals)
+            for whole, decimals in zip(columns[k : k + 5 : 2], columns[k + 1 : k + 6 : 2], strict=True)
+        )
+        for k in range(n_columns - 5)
+    )
+
+
+def _are_parts(whole: Sequence[bytes], decimals: Sequence[bytes]) -> bool:
+    """Return whether two columns may be what stands before and behind decimal commas."""
+    if not (all(map(_WHOLE.fullmatch, whole)) and all(map(_DECIMALS.fullmatch, decimals))):
+        return False
+    has_marks = any(cell.startswith(b"0") or not cell.isdigit() for cell in decimals if len(cell) > 1)
+    return has_marks or (len(set(map(len, decimals))) == 1 and len(decimals[0]) > 1)

@@ -7,7 +7,16 @@ from dataclasses import dataclass, replace
 from stair_inspector.errors import ColumnsUnclear, ReadError
 from stair_inspector.files.number_lines import is_number
 from stair_inspector.files.raw_cloud import POINT_NAMES, READ_STAGE, excerpt, parse_count
-from stair_inspector.files.text_columns import AXES, Header, header_cells, header_of, unit_of_remark, unit_of_word
+from stair_inspector.files.text_columns import (
+    AXES,
+    Header,
+    header_cells,
+    header_of,
+    names_degrees,
+    unit_of_remark,
+    unit_of_word,
+    without_label,
+)
 from stair_inspector.files.text_dialect import is_remark
 from stair_inspector.files.text_table import TextLine, TextTable
 from stair_inspector.model import Note
@@ -51,10 +60,12 @@ def read_head(table: TextTable, columns: Sequence[str]) -> TextHead:
     units: tuple[str, ...] = ()
     unnamed: TextLine | None = None
     titles: list[TextLine] = []
+    # A header that is no remark goes before remarks, which may stand between it and the table.
+    named = next((each for each in reversed(table.above) if not _is_remark(each, table) and _names(each, table)), None)
     for line in reversed(table.above):
         is_said = _is_remark(line, table)
         text = line.text.lstrip(_REMARK_MARKS) if is_said else line.text
-        if header is None:
+        if header is None and named in (None, line):
             header = _header(text, table, is_certain=not (is_said or columns))
             if header is not None:
                 continue
@@ -73,6 +84,11 @@ def read_head(table: TextTable, columns: Sequence[str]) -> TextHead:
             unnamed = _checked_title(line, table)
         titles.append(line)
     if header is None and unnamed is not None and not columns:
+        if names_degrees(header_cells(unnamed.text, table.dialect.separator)):
+            raise ReadError(
+                f"line {unnamed.number} ('{excerpt(unnamed.text)}') names a latitude or longitude: degrees are not "
+                "read; export the scan in metres"
+            )
         raise unclear_columns(
             f"line {unnamed.number} ('{excerpt(unnamed.text)}') names the columns, but not x, y and z", table
         )
@@ -120,13 +136,16 @@ def _is_remark(line: TextLine, table: TextTable) -> bool:
 
 def _header(text: bytes, table: TextTable, *, is_certain: bool) -> Header | None:
     """Return what a line names where it names the columns of the table; it does where ``is_certain``, or is refused."""
+    text = without_label(text)
     cells = header_cells(text, table.dialect.separator)
     while len(cells) > table.n_columns and not cells[-1]:
         cells.pop()
     if len(cells) != table.n_columns:
         cells = header_cells(text, None)
     header = header_of(cells)
-    if not header.has_points:
+    # Numbers are no names: "E: 500000 N: 5000000 H: 100" is where the scan lies. One may be: pandas numbers them.
+    n_numbers = sum(is_number(cell.encode()) for cell in cells)
+    if not header.has_points or n_numbers > is_certain:
         return None
     if len(cells) == table.n_columns - 1:
         cells = [*cells, ""] if table.ends_empty else ["", *cells] if _has_row_names(table) else cells
@@ -137,6 +156,11 @@ def _header(text: bytes, table: TextTable, *, is_certain: bool) -> Header | None
         # A remark such as "# x y z in metres" is no header.
         return None
     raise unclear_columns(f"its header names {len(cells)} columns but its lines have {table.n_columns}", table)
+
+
+def _names(line: TextLine, table: TextTable) -> bool:
+    """Return whether a line names the columns of the table, as many as there are."""
+    return _header(line.text, table, is_certain=False) is not None
 
 
 def _has_row_names(table: TextTable) -> bool:

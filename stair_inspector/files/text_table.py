@@ -95,6 +95,9 @@ def find_table(data: bytes, at: int) -> TextTable:
     above: list[TextLine] = []
     for line in islice(lines_of(data, at), _MOST_ABOVE):
         dialects = dialects_of(line.text, is_quoted=is_quoted, is_remarked=is_remarked)
+        if not dialects and is_remarked and any(mark in line.text for mark in b",;|\t"):
+            # A mark within a cell, as in "Point #1,", begins no remark.
+            dialects = dialects_of(line.text, is_quoted=is_quoted, is_remarked=False)
         if dialects and _begins(dialects, _rows(data, line, 2)):
             rows = _rows(data, line, _SAMPLE_ROWS)
             dialect, are_numbers, is_text = best_dialect(dialects, [row.text for row in rows])

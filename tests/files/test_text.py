@@ -126,7 +126,7 @@ UNCLEAR = {
     "numbered": ("".join(f"{k} {k / 7} 1.5 2.5\n" for k in range(12)), ("x,y,z", "-,x,y,z")),
     "numbered with gaps": ("".join(f"{(7 * k) % 13} {k / 7} {k / 3} 2.5\n" for k in range(12)), ("x,y,z", "-,x,y,z")),
     "times": ("".join(f"{k / 9} {k % 5} {k % 4} {k % 3}\n" for k in range(12)), ("x,y,z", "-,x,y,z")),
-    "unknown names": ("lat lon up\n" + rows(), ("x,y,z",)),
+    "unknown names": ("across along up\n" + rows(), ("x,y,z",)),
     "two heights": ("E,N,H,Elevation\n" + rows(",", behind=[str]), ("x,y,z", "x,y,-,z")),
     "too few names": ("x y z\n" + rows(behind=[lambda k: str(k * k)]), ("x,y,z", "-,x,y,z")),
     "text between": ("".join(f"{x} m {y} m {z} m\n" for x, y, z in POINTS.tolist()), ("x,-,y,-,z",)),
