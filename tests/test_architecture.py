@@ -276,7 +276,7 @@ def test_the_reader_of_imports_sees_every_kind_of_import():
 
 STAGES = (
     ("coordinate_steps", "copies", "density", "layers", "reach", "thinned", "camera_frames", "readings"),
-    ("examine", "station_motion", "known_stations", "station_layers", "order_shifts", "stations"),
+    ("examine", "station_motion", "known_stations", "station_layers", "order_shifts", "looked_through", "stations"),
     ("up_questions", "floor_planes", "orient", "levels", "sparse", "treads", "paper"),
     ("region", "dither", "plan_cells", "patches", "bar_peaks", "bars", "rejects"),
     ("links", "pace", "gaps", "missing_feet", "runs", "run_ends", "flights"),

@@ -137,7 +137,7 @@ def with_questions(observations: tuple[Observation, ...], stated: UncertaintyPar
     left = (each for each in observations if not (each.code == "doubled_by_order" and _is_stated(each, stated)))
     return tuple(
         replace(found, level="question", cure=f"{_answer_to(found.size_m)}, or: {found.cure}")
-        if found.code in ("surfaces_doubled", "doubled_by_order", "cloud_copied")
+        if found.code in ("surfaces_doubled", "doubled_by_order", "cloud_copied", "stations_disagree")
         and found.size_m is not None
         and _TORN_M <= found.size_m <= _NEAR_COPY_M
         and stated.registration_m < _answering_m(found.size_m)

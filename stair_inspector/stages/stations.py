@@ -15,9 +15,10 @@ from stair_inspector.params import Method, Stations
 from stair_inspector.stages.examine import CURES, size_text
 from stair_inspector.stages.known_stations import MOST_APART_M, LaidStations, lay_stations
 from stair_inspector.stages.layers import LEAST_STEPS, Cells, find_ways, sight_of
+from stair_inspector.stages.looked_through import say_looked_through
 from stair_inspector.stages.order_shifts import LEAST_APART_M, find_order_shift, flat_ways
 from stair_inspector.stages.station_layers import FEWEST_LABELLED, is_along, tell_stations
-from stair_inspector.stages.station_motion import distance_apart, fit_motion
+from stair_inspector.stages.station_motion import Motion, distance_apart, fit_motion
 
 _MOST_POINTS, _MOST_FOR_MEANS = 300_000, 100_000
 _NAME_CHARACTERS = 60
@@ -46,7 +47,7 @@ def join_stations(
     -------
     Scan, Examination
         Unchanged where nothing is double, where nothing tells the stations, or where
-        something would still be double afterwards.
+        something would still be double afterwards; but it is said where known stations do not agree then.
 
     Notes
     -----
@@ -56,7 +57,12 @@ def join_stations(
     """
     if scan.is_outward is not None or len(scan.points) < FEWEST_LABELLED:
         return scan, examined
-    is_left = stations == "as_read" or method == "paper"
+    joined, examined = _join(scan, examined, is_left=stations == "as_read" or method == "paper")
+    return joined, say_looked_through(joined, examined)
+
+
+def _join(scan: Scan, examined: Examination, *, is_left: bool) -> tuple[Scan, Examination]:
+    """Do what is asked of :func:`join_stations`; ``is_left`` leaves every point where it is."""
     if is_left and len(examined.layers_m):
         return scan, examined
     laid = None if is_left else _laid_by_layers(scan, examined)
@@ -193,13 +199,21 @@ def _moved(laid: LaidStations) -> Moved:
     # Stations that are so far apart along one direction may be so along those in which no surface shows it.
     for motion in sorted(laid.motions, key=lambda each: -float(np.linalg.norm(each.shift))):
         new = [each for each in motion.unheld if not any(is_along(each, known) for known in unheld_m)]
-        unheld_m += [float(np.linalg.norm(motion.shift)) * each for each in new]
+        unheld_m += [_untold_m(motion) * each for each in new]
     return Moved(
         freeze(laid.of_point.copy()),
         freeze(np.array(turns)),
         freeze(np.array(shifts_m)),
         freeze(np.array(unheld_m).reshape(-1, 3)),
     )
+
+
+def _untold_m(motion: Motion) -> float:
+    """Return how far apart stations may be where no surface shows it, a standard deviation.
+
+    One that was raised little was not for that moved little aside: within k = 2 lies at least what can be laid.
+    """
+    return max(float(np.linalg.norm(motion.shift)), MOST_APART_M / 2.0)
 
 
 def _is_told(scan: Scan) -> bool:
@@ -223,6 +237,12 @@ def _observe(laid: LaidStations, stations: ScanStations | None) -> Observation:
         f"{np.count_nonzero(laid.of_point):,} of {len(laid.of_point):,} points were laid onto the others before "
         f"measuring, to within {size_text(max(motion.u_m for motion in laid.motions))} on each patch of surface"
     )
+    untold_m = max((_untold_m(motion) for motion in laid.motions if len(motion.unheld)), default=None)
+    if untold_m is not None:
+        message += (
+            "; along some direction no surface shows how they lie, and they were not moved: U of the widths holds "
+            f"{size_text(2.0 * untold_m)} of that, if it is aside"
+        )
     return Observation("stations_joined", "doubt", message, size_m, _REMEDY)
 
 

@@ -83,7 +83,8 @@ def test_the_second_station_is_laid_onto_the_first(shift_m):
     off_m = laid.points[is_second, 2] - scanned.points[is_second, 2]
     assert np.abs(off_m).max() < 4e-4
     assert 0.0 < np.linalg.norm(now.layers_m, axis=1).max() < 4e-4
-    assert np.linalg.norm(moved.unheld_m, axis=1) == pytest.approx([said.size_m] * 2)
+    assert np.linalg.norm(moved.unheld_m, axis=1) == pytest.approx([max(said.size_m, 0.011)] * 2)
+    assert "no surface shows how they lie, and they were not moved: U of the widths holds " in said.message
     np.testing.assert_allclose(moved.places(scan.points, np.arange(len(points))), laid.points, rtol=0.0, atol=1e-12)
 
 
