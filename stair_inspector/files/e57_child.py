@@ -39,7 +39,8 @@ class _Station:
     """An entry of data3D: its points in the file, and what its header says, checked.
 
     ``fields`` are the coordinates that are read, empty where there are none; ``turn`` (3, 3) and ``place`` (3,) the
-    pose; ``steps`` (3,) of its coordinates in its own frame or None; ``limits`` (3, 2) of its colours or None.
+    pose; ``steps`` (3,) of its coordinates in its own frame or None; ``limits`` (3, 2) of its colours or None;
+    ``refused`` says why it cannot be read, which matters only to who wants it.
     """
 
     node: Any
@@ -54,6 +55,7 @@ class _Station:
     limits: NDArray[np.float64] | None
     has_colors: bool
     invalid_color: str | None
+    refused: str = ""
 
 
 def serve(orders: BinaryIO, answers: BinaryIO) -> None:
@@ -111,6 +113,7 @@ def _told(station: _Station) -> dict[str, object]:
     return {
         "name": station.name,
         "count": station.count if station.fields else 0,
+        "refused": station.refused,
         "place": station.place.tolist() if station.has_pose else None,
         "steps": None if station.steps is None else station.steps.tolist(),
         "has_colors": station.limits is not None,
@@ -133,16 +136,23 @@ class _File:
         n_scans = scans.childCount()
         if not 0 < n_scans <= MOST_STATIONS:
             raise _Refused(f"is E57 with {n_scans} scans, read are 1 to {MOST_STATIONS}")
-        self.stations = [self._station(scans[k], k + 1) for k in range(n_scans)]
+        self.stations = [self._station_or_why_not(scans[k], k + 1) for k in range(n_scans)]
         n_points = sum(each.count for each in self.stations)
         if n_points > n_bytes:
             raise _Refused(f"states {n_points} points in {n_bytes} bytes, which cannot be")
 
-    def _station(self, node: Any, number: int) -> _Station:
-        library = self._library
+    def _station_or_why_not(self, node: Any, number: int) -> _Station:
         name = f"scan {number}"
-        if node.isDefined("name") and isinstance(node["name"], library.StringNode):
+        if node.isDefined("name") and isinstance(node["name"], self._library.StringNode):
             name = node["name"].value()[:_NAME_CHARACTERS].strip() or name
+        try:
+            return self._station(node, name, number)
+        except _Refused as error:
+            turn, place = np.eye(3), np.zeros(3)
+            return _Station(None, name, 0, (), None, False, turn, place, None, None, False, None, refused=str(error))
+
+    def _station(self, node: Any, name: str, number: int) -> _Station:
+        library = self._library
         if not node.isDefined("points") or not isinstance(node["points"], library.CompressedVectorNode):
             raise _Refused(f"its scan {number} has no list of points")
         points = node["points"]

@@ -35,7 +35,10 @@ PATIENCE_S = 60.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class E57Station:
-    """What an E57 says of a scan: ``place`` (3,) of the scanner and ``steps`` (3,) of the coordinates, or None."""
+    """What an E57 says of a scan: ``place`` (3,) of the scanner and ``steps`` (3,) of the coordinates, or None.
+
+    ``refused`` is why it cannot be read, nothing where it can.
+    """
 
     name: str
     count: int
@@ -43,6 +46,7 @@ class E57Station:
     steps: Floats | None
     has_colors: bool
     has_unknown_colors: bool
+    refused: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,6 +114,7 @@ class E57Process:
                 None if told["steps"] is None else np.array(told["steps"]),
                 told["has_colors"],
                 told["colors_unknown"],
+                told["refused"],
             )
             for told in answer["stations"]
         ]

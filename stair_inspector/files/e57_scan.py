@@ -66,6 +66,9 @@ def read_stations(process: E57Process, data: bytes, station: str = "") -> RawClo
     found = process.open(data)
     names = [each.name for each in found]
     chosen = [find_station(names, station)] if station else list(range(len(found)))
+    refused = next((found[k].refused for k in chosen if found[k].refused), "")
+    if refused:
+        raise ReadError(f"{refused}; export the scan again")
     wanted = [k for k in chosen if found[k].count]
     if not wanted:
         which = f"its station '{short_name(names[chosen[0]])}' holds" if station else "holds"

@@ -129,6 +129,17 @@ def test_a_name_is_found_however_its_accents_are_encoded_and_however_long_it_is(
     assert set(read_stations(process, content, "Su\u0308d").stations.of_point) == {2}
 
 
+def test_a_bad_station_stops_only_who_wants_it(folder, process):
+    bad = station(doubles(XYZ, FIRST), "Hall", (0.0, 0.0, 0.0, 0.0), GRID)
+    content = e57_bytes(folder / "a.e57", bad, station(doubles(XYZ, SECOND), "Landing"))
+    raw = read_stations(process, content, "Landing")
+    assert np.array_equal(raw.points, SECOND)
+    assert raw.stations.names == ("Hall", "Landing")
+    for wanted in ("", "Hall"):
+        with pytest.raises(ReadError, match="the pose of its scan 1 is no turn and shift; export the scan again"):
+            read_stations(process, content, wanted)
+
+
 def test_more_points_than_a_block(folder, process):
     points = np.random.default_rng(2).random((450_001, 3))
     raw = read_stations(process, e57_bytes(folder / "many.e57", station(doubles(XYZ, points))))
