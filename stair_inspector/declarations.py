@@ -16,6 +16,7 @@ Imports nothing heavy, so that ``stair-inspector --help`` answers at once.
 
 import dataclasses
 import math
+import numbers
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -168,8 +169,30 @@ class Group:
     """A group of settings that checks its own types and ranges when it is made."""
 
     def __post_init__(self) -> None:
-        for name, declared in fields_of(type(self)).items():
-            check_value(f"{group_name(type(self))}.{name}", getattr(self, name), declared.kind, declared.knob)
+        check_fields(self, f"{group_name(type(self))}.")
+
+
+def check_fields(settings: Any, prefix: str = "") -> None:
+    """Check each field of a settings object that is being made, and let it hold plain numbers in place of numpy's.
+
+    Raises
+    ------
+    ConfigError
+        As :func:`check_value`; ``prefix`` stands before the names.
+    """
+    for name, declared in fields_of(type(settings)).items():
+        given = getattr(settings, name)
+        value = _plain(given)
+        check_value(f"{prefix}{name}", value, declared.kind, declared.knob)
+        if value is not given:
+            object.__setattr__(settings, name, value)
+
+
+def _plain(value: Any) -> Any:
+    """Return a number of numpy as one of Python: of single precision 0.01, not 0.009999999776; all else as it is."""
+    if not isinstance(value, numbers.Real) or not hasattr(value, "dtype"):
+        return value
+    return int(value) if isinstance(value, numbers.Integral) else float(str(value))
 
 
 def check_value(name: str, value: object, kind: Any, knob: Knob | None) -> None:
@@ -184,6 +207,7 @@ def check_value(name: str, value: object, kind: Any, knob: Knob | None) -> None:
         if not isinstance(value, str) or value not in get_args(kind):
             raise ConfigError(f"{name}: got {brief(value)}; give one of {', '.join(get_args(kind))}")
     elif kind in (int, float):
+        value = _plain(value)
         is_number = isinstance(value, int if kind is int else (int, float)) and not isinstance(value, bool)
         # Only a float can be infinite; asking it of a whole number of 400 digits would overflow.
         if not is_number or (isinstance(value, float) and not math.isfinite(value)):

@@ -63,6 +63,9 @@ def brief(value: object) -> str:
         shown = repr(value)
     except RecursionError:
         shown = f"a {type(value).__name__} nested too deeply to be shown"
+    if "\n" in shown:
+        # As arrays are shown.
+        shown = " ".join(shown.split())
     return shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]}..."
 
 

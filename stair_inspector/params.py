@@ -20,8 +20,7 @@ from stair_inspector.declarations import (
     Group,
     Knob,
     Setting,
-    check_value,
-    fields_of,
+    check_fields,
     parse_box,
 )
 from stair_inspector.errors import ConfigError
@@ -311,8 +310,7 @@ class Params:
     display: DisplayParams = field(default_factory=DisplayParams)
 
     def __post_init__(self) -> None:
-        for name, declared in fields_of(Params).items():
-            check_value(name, getattr(self, name), declared.kind, declared.knob)
+        check_fields(self)
         parse_up(self.up)
         parse_columns(self.columns)
         parse_box(self.crop, "crop", "the file's own coordinates")

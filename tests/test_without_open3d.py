@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -125,3 +126,22 @@ def test_missing_libraries_of_the_system_are_named_with_their_packages(monkeypat
     )
     monkeypatch.setattr(open3d.importlib.util, "find_spec", lambda name: None)
     assert open3d.why_not_loadable() == "it is not installed"
+
+
+def _fails(name):
+    raise RuntimeError(f"no {name} here")
+
+
+@pytest.mark.parametrize(
+    ("contents", "said"),
+    [({}, "its import fails (module 'open3d' has no attribute"), ({"__getattr__": _fails}, "its import fails (no ")],
+    ids=["a folder of that name", "one that fails"],
+)
+def test_another_module_of_that_name_cannot_be_loaded(monkeypatch, contents, said):
+    other = ModuleType("open3d")
+    vars(other).update(contents)
+    monkeypatch.setitem(sys.modules, "open3d", other)
+    monkeypatch.setattr(open3d, "why_not_loadable", lambda: "")
+    found, reason = open3d._find.__wrapped__()
+    assert found is None
+    assert reason.startswith(said)

@@ -13,6 +13,7 @@ _WITHOUT = ("presets", "quantities", "completion")
 _WORDS = """\
 Prints what bash needs to complete commands, options and their values. For bash:
 
+  mkdir -p ~/.local/share/bash-completion/completions
   stair-inspector completion > ~/.local/share/bash-completion/completions/stair-inspector
 
 For zsh, in ~/.zshrc, with the script in a file of any name:

@@ -1,10 +1,33 @@
-"""Where the project's own data lies: beside the package in a checkout or editable install, inside it in a wheel."""
+"""Paths that a caller gives, and where the project's own data lies.
 
+That is beside the package in a checkout or editable install, inside it in a wheel.
+"""
+
+import os
 from pathlib import Path
 
-from stair_inspector.errors import ReadError
+from stair_inspector.errors import ConfigError, ReadError, brief
 
 _PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def as_path(value: object, what: str) -> Path:
+    """Return the path that a caller in Python gave; see :func:`path_text`."""
+    return Path(path_text(value, what))
+
+
+def path_text(value: object, what: str) -> str:
+    """Return the text of a path or a name that a caller in Python gave.
+
+    Raises
+    ------
+    ConfigError
+        Neither a text nor a path; ``what`` says of what its path should be.
+    """
+    text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+    if not isinstance(text, str):
+        raise ConfigError(f"got {brief(value)}; give the path of {what}")
+    return text
 
 
 def static_configs() -> Path:

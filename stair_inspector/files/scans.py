@@ -20,6 +20,7 @@ from stair_inspector.files.archives import ARCHIVE_SUFFIXES, is_archive, unpack_
 from stair_inspector.files.cleaning import check_range, count_repeats, first_occurrences, to_local_metres, unit_normals
 from stair_inspector.files.cropping import cut_out, part_of_file, scan_part
 from stair_inspector.files.file_part import FilePart
+from stair_inspector.files.paths import as_path
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh, ScanFormat, excerpt
 from stair_inspector.files.raw_mesh import cloud_of_mesh
 from stair_inspector.files.raw_stations import RawStations
@@ -69,7 +70,6 @@ _FOR_SCANS = (*(suffix for each in FORMATS if not each.is_for_meshes for suffix 
 _HINT = (
     f"export the scan as {', '.join(suffix[1:].upper() for suffix in _FOR_SCANS[:-1])} or {_FOR_SCANS[-1][1:].upper()}"
 )
-
 
 _RESULT_ENDINGS = (".csv", "_debug.ply", "_segmented.ply", "_segmented.laz")
 _RESULT_MARK = b'"stair-inspector/inspection-1"'
@@ -175,13 +175,14 @@ def read_scan(
     ColumnsUnclear
         A text of which it is not certain which columns are x, y and z.
     ConfigError
-        Unknown unit, or impossible columns or box.
+        No path, unknown unit, or impossible columns, box or detail.
     """
     check_value("unit", unit, ScanUnit, None)
-    check_value("station", station, str, None)
+    for name, text in (("station", station), ("columns", columns), ("crop", crop)):
+        check_value(name, text, str, None)
     named = parse_columns(columns)
     part = part_of_file(parse_box(crop, "crop", "the file's own coordinates"), detail_m, unit)
-    path = Path(path)
+    path = as_path(path, "a scan")
     data = _read_bytes(path)
     try:
         read = _parse(path.name, data, station, named, part)

@@ -76,9 +76,11 @@ def _find() -> tuple[Any, str]:
             if path is not None:
                 ctypes.CDLL(str(path), mode=ctypes.RTLD_GLOBAL)
         import open3d
-    except (ImportError, OSError, AttributeError) as error:
+
+        # A folder of that name is a module too, without any of this.
+        open3d.utility.set_verbosity_level(open3d.utility.VerbosityLevel.Error)
+    except (ImportError, OSError, AttributeError, RuntimeError) as error:
         return None, f"its import fails ({' '.join(str(error).split())[:200]})"
-    open3d.utility.set_verbosity_level(open3d.utility.VerbosityLevel.Error)
     return open3d, ""
 
 

@@ -2,8 +2,7 @@
 
 import inspect as signatures
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from stair_inspector import codes, pipeline
@@ -11,6 +10,7 @@ from stair_inspector.codes import Decision, RuleSet, overlaid
 from stair_inspector.codes.findings import DECISIONS
 from stair_inspector.declarations import fields_of
 from stair_inspector.errors import ConfigError, brief, one_of
+from stair_inspector.files.paths import as_path, path_text
 from stair_inspector.files.rule_sets import find_rule_set
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import DEFAULT_PRESET, find_preset
@@ -22,6 +22,8 @@ from stair_inspector.params import SETTINGS, Params
 from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
 from stair_inspector.simulation.specs import Stair
 
+Rules = str | os.PathLike[str] | RuleSet
+"""A rule set: its id, its file, or itself."""
 KEYWORDS = {name.replace(".", "_"): name for name in SETTINGS}
 """Each setting by its keyword: ``levels_eps_m`` for ``levels.eps_m``."""
 _READER_KEYWORDS = tuple(signatures.signature(read_scan).parameters)[1:]
@@ -29,7 +31,7 @@ _READER_KEYWORDS = tuple(signatures.signature(read_scan).parameters)[1:]
 
 
 def measure(
-    path: str | os.PathLike[str], params: Params | None = None, *, preset: str = "", **settings: Any
+    path: str | os.PathLike[str], params: Params | None = None, *, preset: str | os.PathLike[str] = "", **settings: Any
 ) -> StairInspection:
     """Read a scan and measure its staircase.
 
@@ -39,7 +41,7 @@ def measure(
         A cloud or a mesh of any format that is read; see ``read_scan``.
     params : Params, optional
         All settings at once.
-    preset : str
+    preset : str or path
         Name of a preset, as ``tls``, or a TOML file, in place of ``params``.
     **settings
         Single settings, which change those of ``params`` or the preset. A keyword is a setting's name with its group
@@ -74,11 +76,13 @@ def measure(
     of_file = {name: settings.pop(name) for name in _READER_KEYWORDS if name in settings and name not in KEYWORDS}
     chosen = _params_of(params, preset, settings)
     of_file |= {name: chosen.value(name) for name in _READER_KEYWORDS if name in KEYWORDS}
-    scan = read_scan(Path(path), **of_file)
+    scan = read_scan(as_path(path, "a scan, or give what read_scan returned to inspect"), **of_file)
     return StairInspection(scan, pipeline.inspect(scan, chosen))
 
 
-def inspect(scan: Scan, params: Params | None = None, *, preset: str = "", **settings: Any) -> StairInspection:
+def inspect(
+    scan: Scan, params: Params | None = None, *, preset: str | os.PathLike[str] = "", **settings: Any
+) -> StairInspection:
     """Measure the staircase in a scan that was read before.
 
     Parameters
@@ -114,9 +118,9 @@ def inspect(scan: Scan, params: Params | None = None, *, preset: str = "", **set
 
 def check(
     found: StairInspection,
-    rules: str | os.PathLike[str] | RuleSet,
+    rules: Rules,
     *,
-    overlays: Sequence[str | os.PathLike[str] | RuleSet] = (),
+    overlays: Rules | Iterable[Rules] = (),
     decision: Decision = "guarded",
 ) -> StairCheck:
     """Hold every value against a rule set, as ``stair-inspector check`` does.
@@ -128,7 +132,7 @@ def check(
     rules
         Id of a rule set that comes with the program (``stair-inspector rules`` lists them), or a TOML file.
     overlays
-        Rules to be held against beside those of the set.
+        Rules to be held against beside those of the set: one, or several.
     decision : str
         ``guarded``: a value nearer to its limit than its uncertainty is called close; ``simple``: the value decides.
 
@@ -151,7 +155,7 @@ def check(
     if not isinstance(found, StairInspection):
         raise ConfigError(f"check: got {brief(found)}; give an inspection as measure or inspect returns it")
     rule_set = _rule_set_of(rules)
-    for overlay in overlays:
+    for overlay in _several(overlays):
         rule_set = overlaid(rule_set, _rule_set_of(overlay))
     decided = one_of(decision, DECISIONS, "decision")
     return StairCheck(found, codes.check(found.inspection, rule_set, "simple" if decided == "simple" else "guarded"))
@@ -167,8 +171,9 @@ def simulate(path: str | os.PathLike[str], *, profile: str = "none", **settings:
     profile : str
         Scanner to start from, as ``tls_good``; ``none`` takes the defaults.
     **settings
-        Of the staircase and of the scanner, by the names of ``stair-inspector simulate --help``: ``n_risers=12``,
-        ``rise_m=0.165``, ``noise_m=0.002``, ``seed=3``. Lengths are metres, angles degrees.
+        Of the staircase and of the scanner, by the names of ``stair-inspector simulate --help`` without their group:
+        ``n_risers=12`` for ``--stair.n-risers``, ``noise_m=0.002`` for ``--scanner.noise-m``. Lengths are metres,
+        angles degrees.
 
     Returns
     -------
@@ -193,12 +198,13 @@ def simulate(path: str | os.PathLike[str], *, profile: str = "none", **settings:
     from stair_inspector.simulation.scanner import scan
     from stair_inspector.simulation.staircase import build
 
+    target = as_path(path, "the PLY to be written")
     scanner = Scanner() if profile == "none" else PROFILES[one_of(profile, PROFILES, "profile")]
     of_stair, of_scanner = fields_of(Stair), fields_of(Scanner)
     check_keys("simulate", settings, [*of_stair, *of_scanner], "setting")
     stair = Stair(**_those_of(of_stair, settings))
     simulated = scan(build(stair), Scanner(**(vars(scanner) | _those_of(of_scanner, settings))))
-    write_simulation(Path(path), simulated)
+    write_simulation(target, simulated)
     return truth_of(simulated)
 
 
@@ -206,18 +212,28 @@ def _those_of(names: Iterable[str], settings: Mapping[str, Any]) -> dict[str, An
     return {name: settings[name] for name in names if name in settings}
 
 
-def _params_of(params: Params | None, preset: str, settings: Mapping[str, Any]) -> Params:
+def _params_of(params: Params | None, preset: str | os.PathLike[str], settings: Mapping[str, Any]) -> Params:
     """Return the settings of a call: all at once or a preset, and then the single ones."""
-    if params is not None and preset:
+    is_named = preset is not None and not (isinstance(preset, str) and not preset)
+    name = path_text(preset, "a preset, or its name") if is_named else DEFAULT_PRESET
+    if params is not None and is_named:
         raise ConfigError("settings: got params and preset, which both state every setting; give one of them")
     if params is not None and not isinstance(params, Params):
         raise ConfigError(f"params: got {brief(params)}; give Params, or settings as keywords")
-    chosen = find_preset(preset or DEFAULT_PRESET).params if params is None else params
+    chosen = find_preset(name).params if params is None else params
     check_keys("settings", settings, KEYWORDS, "setting")
     for keyword, value in settings.items():
         chosen = chosen.replaced(KEYWORDS[keyword], value)
     return chosen
 
 
-def _rule_set_of(rules: str | os.PathLike[str] | RuleSet) -> RuleSet:
-    return rules if isinstance(rules, RuleSet) else find_rule_set(os.fspath(rules))
+def _several(overlays: Rules | Iterable[Rules]) -> Iterable[Rules]:
+    if isinstance(overlays, (str, os.PathLike, RuleSet)):
+        return (overlays,)
+    if not isinstance(overlays, Iterable):
+        raise ConfigError(f"overlays: got {brief(overlays)}; give rule sets, or () for none")
+    return overlays
+
+
+def _rule_set_of(rules: Rules) -> RuleSet:
+    return rules if isinstance(rules, RuleSet) else find_rule_set(path_text(rules, "a rule set, or its id"))

@@ -9,12 +9,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas
 import pytest
 
 import stair_inspector as si
 from stair_inspector.cli import main
 from stair_inspector.files.ply import ply_bytes
+from stair_inspector.files.settings import preset_bytes
 from stair_inspector.interface import functions, plain_table, results
 from stair_inspector.model import Observation
 from stair_inspector.params import SETTINGS
@@ -167,6 +169,10 @@ def test_a_question_stands_in_place_of_values(found):
         ({"unit": "feet"}, "unit: got 'feet'; give one of auto, m, cm, mm, in, ft"),
         ({"preset": "tsl"}, "--preset: unknown preset 'tsl'; did you mean 'tls'?"),
         ({"params": si.Params(), "preset": "tls"}, "got params and preset, which both state every setting"),
+        ({"preset": 5}, "got 5; give the path of a preset, or its name"),
+        ({"crop": None}, "crop: got None; give a text"),
+        ({"columns": None}, "columns: got None; give a text"),
+        ({"levels_eps_m": np.bool_(True)}, "eps_m: got np.True_; give a number"),
         ({"params": {"method": "paper"}}, "params: got {'method': 'paper'}; give Params, or settings as keywords"),
     ],
 )
@@ -196,6 +202,45 @@ def test_what_is_no_scan_and_no_inspection_is_refused(found, folder):
         si.simulate(folder / "known.las")
 
 
+@pytest.mark.parametrize("value", [None, 5, b"stair.ply", np.zeros((9, 3))], ids=str)
+def test_what_is_no_path_is_refused_with_one_sentence(found, value):
+    calls = (
+        si.measure,
+        si.read_scan,
+        si.simulate,
+        lambda it: si.check(found, it),
+        lambda it: si.check(found, "us-irc-2024", overlays=[it]),
+    )
+    for call in calls:
+        with pytest.raises(si.ConfigError, match=r"^got .*; give the path of (a|the) ") as refused:
+            call(value)
+        assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "said"),
+    [
+        ({"columns": None}, "columns: got None; give a text"),
+        ({"crop": None}, "crop: got None; give a text"),
+        ({"detail_m": -1}, "detail_m: got -1; give a distance, or 0 for every point"),
+        ({"detail_m": "a"}, "detail_m: got 'a'; give a number"),
+        ({"detail_m": True}, "detail_m: got True; give a number"),
+    ],
+)
+def test_a_scan_is_not_read_with_values_of_another_type(folder, keywords, said):
+    with pytest.raises(si.ConfigError) as refused:
+        si.read_scan(folder / "stair.ply", **keywords)
+    assert str(refused.value) == said
+
+
+def test_numbers_of_numpy_are_numbers_and_a_preset_may_be_a_path(folder):
+    path = folder / "mine.toml"
+    path.write_bytes(preset_bytes(si.Params(), "mine"))
+    keywords = {"levels_eps_m": np.float32(0.01), "levels_min_points": np.int64(12), "crop": "-9,-9,-9,9,9,9"}
+    params = si.measure(folder / "stair.ply", preset=path, **keywords).params
+    assert repr((params.levels.eps_m, params.levels.min_points)) == "(0.01, 12)"
+
+
 def test_a_keyword_means_one_setting():
     assert len(functions.KEYWORDS) == len(SETTINGS)
     assert set(functions.KEYWORDS.values()) == set(SETTINGS)
@@ -206,6 +251,11 @@ def test_overlays_and_a_rule_set_of_ones_own(found):
     more = si.check(found, plain.check.rule_set, overlays=["us-nfpa-101-uniformity"], decision="simple")
     assert len(more.check.rule_set.rules) > len(plain.check.rule_set.rules)
     assert more.check.decision == "simple"
+    assert (
+        si.check(found, plain.check.rule_set, overlays="us-nfpa-101-uniformity").check.rule_set == more.check.rule_set
+    )
+    with pytest.raises(si.ConfigError, match="overlays: got None; give rule sets"):
+        si.check(found, "us-irc-2024", overlays=None)
     assert repr(plain).startswith("<StairCheck of stair.ply: Nothing that was measured is outside a limit of")
     assert len(plain.table()) == plain._repr_html_().count("<tr") - 1
     assert set(plain.table()["Result"]) <= {"within", "not measured", "reported"}
