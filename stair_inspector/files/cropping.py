@@ -1,5 +1,7 @@
 """The box of a file that is read: which points lie in it, and with what the file goes on just outside."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from stair_inspector.declarations import Box
@@ -18,8 +20,10 @@ _MARGIN_M = 0.05
 
 
 def part_of_file(box: Box | None, detail_m: float, unit: ScanUnit) -> FilePart:
-    """Return what is read of a file; where its unit is not stated, the margin is taken as if it were metres."""
-    return FilePart(box, detail_m, _MARGIN_M / (1.0 if unit == "auto" else METRES_PER_UNIT[unit]))
+    """Return what is read of a file; where its unit is not stated, detail and margin are taken as if it were metres."""
+    metres = 1.0 if unit == "auto" else METRES_PER_UNIT[unit]
+    part = FilePart(box, detail_m)
+    return replace(part, detail_m=part.detail_m / metres, margin=_MARGIN_M / metres)
 
 
 def cut_out(points: Floats, kept: Ints, part: FilePart) -> tuple[Ints, Ints, Note]:

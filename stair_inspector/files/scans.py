@@ -151,7 +151,7 @@ def read_scan(
         Box of the file that is read, ``xmin,ymin,zmin,xmax,ymax,zmax`` in its own coordinates, of a glTF after it was
         turned z up; '' reads all. Of a COPC only the cells near it are unpacked, of a mesh its faces near it sampled.
     detail_m : float
-        Of a COPC only the levels are read that points so far apart need, in the unit of the file; 0 reads all.
+        Of a COPC only the levels that points so far apart need; 0 reads all. Without ``unit`` as if in metres.
 
     Returns
     -------

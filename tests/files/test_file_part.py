@@ -179,6 +179,13 @@ def test_a_station_of_las_and_copc_is_refused(tmp_path, name):
         read_scan(tmp_path / name, "m", station="1")
 
 
+def test_the_detail_is_in_metres_where_the_unit_is_stated(tmp_path):
+    content, cells = copc_file(np.round(POINTS * 1000.0, 4), side=8000.0, spacing=200.0)
+    (tmp_path / "a.laz").write_bytes(content)
+    n_first = sum(len(rows) for key, rows in cells.items() if key[0] == 0)
+    assert len(read_scan(tmp_path / "a.laz", "mm", detail_m=0.2).points) == n_first
+
+
 @pytest.mark.parametrize("text", ["1,2,3", "a", "1,1,1,0,2,2", "nan,0,0,1,1,1", "0,0,0,inf,1,1"])
 def test_an_impossible_box_is_refused_before_the_file_is_read(tmp_path, text):
     sentence = r"crop: got .*; give xmin,ymin,zmin,xmax,ymax,zmax in the file's own coordinates"
