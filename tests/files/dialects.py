@@ -94,9 +94,7 @@ DIALECTS: dict[str, Written] = {
     "GIS, coordinates behind": Written(
         ".csv", lambda: lines(sep=",", head="OBJECTID,POINT_X,POINT_Y,POINT_Z\n", before=lambda k: (str(k),))
     ),
-    "degrees": Written(
-        ".csv", lambda: lines(sep=",", head="lat,lon,alt\n"), refused="names the columns, but not x, y and z"
-    ),
+    "degrees": Written(".csv", lambda: lines(sep=",", head="lat,lon,alt\n"), refused="degrees are not read"),
     "Fortran": Written(".dat", lambda: lines(form=" {:.9E}", sep=" ").replace("E", "D")),
     "Fortran, remarks": Written(".dat", lambda: lines(sep="   ", head="! points\n", foot="! end\n")),
     "Surfer": Written(".dat", lambda: lines(head="; Surfer\n", sep="\t")),
