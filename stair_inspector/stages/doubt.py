@@ -37,7 +37,7 @@ _SURFACE_SIGMA = 0.02
 """Doubt about a surface's height beyond its scatter, as a share of the noise of single points."""
 LEAST_GRAZING = 0.05
 """Sine of the least angle at which anything is seen of a surface."""
-_OF_FACET = {"level": 0.025, "edge": 0.06, "side": 1.4}
+_OF_FACET = {"level": 0.025, "edge": 0.06, "side": 1.8}
 """Shares of the length of a scanned mesh's edges, from depth images that were fused on grids of 8, 15 and 25 mm."""
 _PATCH_M = 0.08
 """Side of the patches over which a camera's noise is

@@ -376,7 +376,7 @@ def test_rounding_is_in_every_length_between_two_levels_or_two_edges():
 def test_the_faces_of_a_scanned_mesh_are_in_every_length_and_most_in_the_width():
     examined = Examination((), np.zeros(3), facet_m=0.01)
     step = survey_of(even(), examined=examined).steps[1]
-    for value, share in ((step.rise_m, 0.025), (step.going_m, 0.06), (step.width_m, 1.4)):
+    for value, share in ((step.rise_m, 0.025), (step.going_m, 0.06), (step.width_m, 1.8)):
         # At both ends, k = 2.
         assert dict(value.parts)["resolution"] == pytest.approx(2.0 * math.sqrt(2.0) * share * 0.01, rel=1e-6)
     # Noise does not average out what no corner shows, and rounding comes on top of it.
@@ -393,7 +393,7 @@ def test_a_side_at_a_wall_does_not_end_early_in_a_mesh():
     first, second, *others = even()
     walled = [first, replace(second, left=replace(second.left, is_wall=True)), *others]
     part = dict(survey_of(walled, examined=examined).steps[1].width_m.parts)["resolution"]
-    assert part == pytest.approx(2.0 * 1.4 * 0.01, rel=1e-6)
+    assert part == pytest.approx(2.0 * 1.8 * 0.01, rel=1e-6)
 
 
 def test_noise_averages_rounding_out_as_far_as_the_surest_surface_has_some():
