@@ -103,7 +103,9 @@ def _entries(data: bytes, begin: int, size: int) -> Iterator[tuple[int, tuple[in
                 raise ReadError(f"its COPC cell {level}-{i}-{j}-{k} cannot be; {TRUNCATED_HINT}")
             if count >= 0:
                 if count > _POINTS_PER_BYTE * n_bytes:
-                    raise ReadError(f"its COPC cell {level}-{i}-{j}-{k} states {count} points in {n_bytes} bytes")
+                    raise ReadError(
+                        f"its COPC cell {level}-{i}-{j}-{k} states {count} points in {n_bytes} bytes; {TRUNCATED_HINT}"
+                    )
                 yield level, (i, j, k), CopcCell(level, where, n_bytes, count)
             elif where in seen:
                 raise ReadError(f"its COPC page at byte {where} is named twice; {TRUNCATED_HINT}")

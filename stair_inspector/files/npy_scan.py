@@ -4,12 +4,9 @@ import ast
 import math
 import operator
 import re
-import zipfile
-import zlib
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -17,7 +14,7 @@ from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
-from stair_inspector.files.archives import files_in, most_unpacked
+from stair_inspector.files.archives import most_unpacked, open_zip, unpack_member
 from stair_inspector.files.raw_cloud import (
     NORMAL_XYZ,
     POINT_NAMES,
@@ -55,9 +52,8 @@ def is_npy(data: bytes) -> bool:
     if not data.startswith(_ZIP):
         return data.startswith(_MAGIC)
     try:
-        with zipfile.ZipFile(BytesIO(data)) as archive:
-            files = files_in(archive.infolist())
-    except (zipfile.BadZipFile, OSError, NotImplementedError, ValueError):
+        _, files = open_zip(data)
+    except ReadError:
         # A truncated one is told by its first member.
         return data[30 : 30 + int.from_bytes(data[26:28], "little")].endswith(b".npy")
     return bool(files) and all(each.filename.lower().endswith(".npy") for each in files)
@@ -168,28 +164,19 @@ def _with_attributes(
 def _arrays(data: bytes) -> dict[str, NDArray[Any]]:
     """Return the arrays of an NPZ by their names."""
     arrays: dict[str, NDArray[Any]] = {}
-    limit = left = most_unpacked(len(data))
-    try:
-        with zipfile.ZipFile(BytesIO(data)) as archive:
-            members = files_in(archive.infolist())
-            if len(members) > _MOST_ARRAYS:
-                raise ReadError(f"holds {len(members)} arrays, more than {_MOST_ARRAYS}; {_HINT}")
-            for member in members:
-                with archive.open(member) as stream:
-                    content = stream.read(left + 1)
-                left -= len(content)
-                if left < 0:
-                    raise ReadError(
-                        f"unpacks to more than {limit:,} bytes, the most that are read of an NPZ of its size; {_HINT}"
-                    )
-                name = member.filename[: -len(".npy")]
-                if name in arrays:
-                    raise ReadError(f"holds two arrays called '{excerpt(name)}'; {_HINT}")
-                if not content.startswith(_MAGIC):
-                    raise ReadError(f"its '{excerpt(member.filename)}' does not begin with numpy's mark; {_HINT}")
-                arrays[name] = _array(content)
-    except (zipfile.BadZipFile, EOFError, zlib.error, OSError, NotImplementedError, RuntimeError, ValueError) as error:
-        raise ReadError(f"is a damaged NPZ ({excerpt(str(error))}); {TRUNCATED_HINT}") from error
+    left = most_unpacked(len(data))
+    archive, files = open_zip(data)
+    if len(files) > _MOST_ARRAYS:
+        raise ReadError(f"holds {len(files)} arrays, more than {_MOST_ARRAYS}; {_HINT}")
+    for member in files:
+        content = unpack_member(archive, member, left)
+        left -= len(content)
+        name = member.filename[: -len(".npy")]
+        if name in arrays:
+            raise ReadError(f"holds two arrays called '{excerpt(name)}'; {_HINT}")
+        if not content.startswith(_MAGIC):
+            raise ReadError(f"its '{excerpt(member.filename)}' does not begin with numpy's mark; {_HINT}")
+        arrays[name] = _array(content)
     return arrays
 
 

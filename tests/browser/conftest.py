@@ -14,6 +14,7 @@ from stair_inspector.simulation.specs import Stair
 from tests.browser.inspector_page import ARGUMENTS, OPENED, InspectorPage, find_browser
 from tests.conftest import REPLACED
 from tests.heavy_process import heavy_process, servers_share_a_process  # noqa: F401 - fixtures
+from tests.oracles import missing
 
 HOSTILE_NAME = "<img src=x onerror='window.struck=1'>&amp;.ply"
 SCANNER = Scanner(max_points=12_000, azimuth_step_deg=0.2, elevation_step_deg=0.2, spacing_m=0.006, noise_m=0.003)
@@ -58,10 +59,7 @@ def pytest_runtest_makereport(item, call):
 def browser():
     path = find_browser()
     if path is None:
-        reason = "no Chromium found; install one, or name it in STAIR_INSPECTOR_BROWSER"
-        if os.environ.get("CI"):
-            pytest.fail(f"browser tests must run in CI: {reason}")
-        pytest.skip(reason)
+        missing("no Chromium found; install one, or name it in STAIR_INSPECTOR_BROWSER")
     from playwright import sync_api
 
     with sync_api.sync_playwright() as playwright:

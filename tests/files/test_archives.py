@@ -2,7 +2,6 @@
 
 import gzip
 import io
-import time
 import tracemalloc
 import zipfile
 
@@ -12,8 +11,7 @@ import pytest
 from stair_inspector.errors import ReadError
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import FOLDER_SUFFIXES, SUFFIXES, find_scans, read_scan
-from tests.files.test_mesh_damage import damaged
-from tests.files.test_scan_damage import check_form, points_or_none
+from tests.files.damage import N_DAMAGED, check_form, n_read_of_damaged
 
 POINTS = np.array([[0.5, 1.25, -2.0], [1.5, 1.0, 3.0], [0.25, 4.0, 5.0], [8.0, 1.0, 6.5]])
 COLORS = np.arange(12, dtype=np.uint8).reshape(4, 3)
@@ -107,7 +105,10 @@ LYING = npy(POINTS).replace(b"(4, 3), }          ", b"(999999999999, 3), }")
 BAD = {
     "bomb.gz": (gzip.compress(BOMB), "unpacks to more than"),
     "bomb.zip": (zipped(a__xyz=BOMB), "unpacks to more than"),
-    "bomb.npz": (npz(np.savez_compressed, a=np.zeros(3_000_000)), "the most that are read of an NPZ of its size"),
+    "bomb.npz": (
+        npz(np.savez_compressed, a=np.zeros(3_000_000)),
+        "unpacks to more than",
+    ),
     "two.zip": (zipped(a__ply=PLY, b__xyz=LINES), "holds 2 scans (a.ply, b.xyz); unpack it"),
     "many.zip": (zipped(**{f"a{k}__ply": PLY for k in range(9)}), "a4.ply and 4 more)"),
     "none.zip": (zipped(a__md="a", b__png="b"), "holds no scan (a.md, b.png); unpack it"),
@@ -147,7 +148,7 @@ BAD = {
     "axes.npy": (npy(POINTS[:1].reshape((1,) * 30 + (3,))), "is an array of 31 axes"),
     "depth.npy": (npy(np.ones((48, 65))), "is an array of shape (48, 65)"),
     "npy first.zip": (zipped(a__npy=npy(POINTS), b__ply=PLY), "holds 2 scans (a.npy, b.ply)"),
-    "cut.npz": (npz(a=POINTS)[:-30], "is a damaged NPZ"),
+    "cut.npz": (npz(a=POINTS)[:-30], "is a damaged archive"),
 }
 
 
@@ -171,13 +172,4 @@ DAMAGED = ("a.ply.gz", "a.zip", "a.npy", "fields.npy", "packed.npz")
 
 @pytest.mark.parametrize("name", DAMAGED)
 def test_two_hundred_damaged_files_give_a_sentence_or_a_scan(name):
-    rng = np.random.default_rng(7)
-    slowest_s = 0.0
-    n_refused = 0
-    for _ in range(200):
-        content = damaged(READ[name], rng)
-        began = time.process_time()
-        n_refused += points_or_none(name, content) is None
-        slowest_s = max(slowest_s, time.process_time() - began)
-    assert n_refused > 100
-    assert slowest_s < 1.0
+    assert n_read_of_damaged(name, READ[name], seed=7) < N_DAMAGED // 2

@@ -1,6 +1,5 @@
 """E57: every station where its pose says, without what the file marks; one sentence for what cannot be read."""
 
-import importlib.util
 import math
 import os
 import sys
@@ -17,11 +16,11 @@ from stair_inspector.files.e57_scan import read_e57, read_stations
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.raw_stations import asked_as, find_station
 from stair_inspector.files.scans import FOLDER_SUFFIXES, read_scan
-from tests.files.test_mesh_damage import damaged
-from tests.files.test_scan_damage import check_form
+from tests.files.damage import N_DAMAGED, check_form, damaged
+from tests.oracles import HAS_NO_E57, needs_e57
 
-pytestmark = pytest.mark.skipif(importlib.util.find_spec("pye57") is None, reason="pye57 has no wheel for this system")
-if importlib.util.find_spec("pye57") is not None:
+pytestmark = needs_e57
+if not HAS_NO_E57:
     from tests.files.e57_files import RGB, XYZ, doubles, e57_bytes, scaled, station, whole, with_checksums
 
 RNG = np.random.default_rng(1)
@@ -285,7 +284,7 @@ def test_bad_e57(tmp_path, folder, two):
 def test_two_hundred_damaged_files_give_a_sentence_or_a_scan(process, two, repaired):
     rng = np.random.default_rng(7)
     n_read, slowest_s, said = 0, 0.0, []
-    for _ in range(200):
+    for _ in range(N_DAMAGED):
         content = damaged(two, rng)
         content = with_checksums(content) if repaired else content
         began = time.monotonic()
@@ -299,7 +298,8 @@ def test_two_hundred_damaged_files_give_a_sentence_or_a_scan(process, two, repai
         slowest_s = max(slowest_s, time.monotonic() - began)
     assert all(words.isprintable() and "; " in words for words in said)
     assert n_read > 0 or not repaired
-    assert slowest_s < 1.0
+    # By the clock, since the work is another process's: a busy machine may hold it up, a hang would take its limit.
+    assert slowest_s < 5.0
 
 
 def test_an_end_of_the_library_is_a_sentence_and_the_next_file_is_read(monkeypatch, two):

@@ -10,13 +10,14 @@ from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.stages.examine import examine
 from tests.files.models import box, exported, stair_of_solids
+from tests.oracles import open3d_or_skip
 
 SIZES = {"rise_m": 0.175, "going_m": 0.28, "width_m": 1.0}
 
 
 def fused(mesh, voxel_m, seed=0, noise_m=0.004):
     """The mesh that Open3D fuses from depth images of 320 x 240 pixels along a walk up the stair."""
-    o3d = pytest.importorskip("open3d", exc_type=ImportError)
+    o3d = open3d_or_skip()
     core, geometry = o3d.core, o3d.t.geometry
     rng = np.random.default_rng(seed)
     scene = geometry.RaycastingScene()

@@ -2,7 +2,6 @@
 
 import io
 import sys
-import time
 import tracemalloc
 
 import laspy
@@ -16,8 +15,7 @@ from stair_inspector.files.scans import FOLDER_SUFFIXES, read_scan
 from stair_inspector.params import Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.stages.examine import examine
-from tests.files.test_mesh_damage import damaged
-from tests.files.test_scan_damage import check_form, points_or_none
+from tests.files.damage import N_DAMAGED, check_form, n_read_of_damaged
 from tests.synthetic import Stair
 
 GRID_ORIGIN = np.array([500_000.0, 5_400_000.0, 100.0])
@@ -205,15 +203,7 @@ def test_without_lazrs_laz_is_a_sentence_and_las_is_read(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", ["a.las", "a.laz", "layered.laz"])
 def test_two_hundred_damaged_files_give_a_sentence_or_a_scan(name):
-    content = {"a.las": LAS, "a.laz": LAZ, "layered.laz": LAYERED}[name]
-    rng = np.random.default_rng(3)
-    slowest_s = 0.0
-    for _ in range(200):
-        changed = damaged(content, rng)
-        began = time.process_time()
-        points_or_none(name, changed)
-        slowest_s = max(slowest_s, time.process_time() - began)
-    assert slowest_s < 1.0
+    assert n_read_of_damaged(name, {"a.las": LAS, "a.laz": LAZ, "layered.laz": LAYERED}[name], seed=3) < N_DAMAGED
     # Damage that strikes the numbers alone is read.
     at = len(LAS) - 34 * 4
     assert len(read_las(with_bytes(LAS, at, b"\1\2\3")).points) == 4

@@ -1,7 +1,6 @@
 """What is written is what others read."""
 
 import numpy as np
-import pytest
 
 from stair_inspector.files.ply import ply_bytes
 from tests.oracles import open3d_or_skip
@@ -21,7 +20,8 @@ def test_header_and_body_to_the_byte():
 
 
 def test_trimesh_reads_every_bit(tmp_path):
-    trimesh = pytest.importorskip("trimesh")
+    import trimesh
+
     path = tmp_path / "cloud.ply"
     path.write_bytes(ply_bytes(POINTS, COLORS))
     cloud = trimesh.load(path, process=False)

@@ -4,7 +4,6 @@ import dataclasses
 import os
 import stat
 import struct
-import tempfile
 import time
 import tracemalloc
 from pathlib import Path
@@ -18,6 +17,7 @@ from stair_inspector.errors import ReadError
 from stair_inspector.files import scans
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import find_scans, read_scan
+from tests.files.damage import check_form, points_or_none
 
 POINTS = np.array([[0.5, 1.25, -2.0], [1.5, 1.0, 3.0], [0.25, 4.0, 5.0], [8.0, 1.0, 6.5]])
 COLORS = np.arange(12, dtype=np.uint8).reshape(4, 3)
@@ -68,14 +68,6 @@ VALID = {
     "a.csv": CSV,
 }
 COUNTED = [name for name in VALID if name not in ("a.xyz", "a.csv")]
-
-
-def check_form(path: Path, message: str) -> None:
-    """One line: the path, what is wrong; what to do."""
-    assert message.startswith(f"{path}: ")
-    assert message.isprintable()
-    assert len(message) < len(str(path)) + 400
-    assert "; " in message
 
 
 def message_of(tmp_path: Path, name: str, content: bytes) -> str:
@@ -313,20 +305,6 @@ def test_memory_that_is_not_there_is_one_sentence(tmp_path: Path, monkeypatch: p
 
 
 # --- random damage ---
-
-
-def points_or_none(name: str, content: bytes) -> np.ndarray | None:
-    """Read; None for a ReadError of the right form. Anything else fails the test."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / name
-        path.write_bytes(content)
-        try:
-            scan = read_scan(path)
-        except ReadError as error:
-            check_form(path, str(error))
-            return None
-        assert np.isfinite(scan.points).all()
-        return scan.points + scan.origin_m
 
 
 @pytest.mark.parametrize("name", VALID)

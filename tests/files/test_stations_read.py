@@ -1,6 +1,5 @@
 """Stations in their own frames, as E57, PTX and PTS deliver them, are measured as the plain cloud is."""
 
-import importlib.util
 import math
 from dataclasses import replace
 
@@ -15,10 +14,10 @@ from stair_inspector.simulation.specs import Stair
 from stair_inspector.simulation.staircase import build
 from tests.files.station_files import ptx_bytes
 from tests.files.test_las import sizes_of
+from tests.oracles import HAS_NO_E57, needs_e57
 from tests.synthetic import rotation
 
-HAS_E57 = importlib.util.find_spec("pye57") is not None
-if HAS_E57:
+if not HAS_NO_E57:
     from tests.files.e57_files import XYZ, doubles, e57_bytes, station
 
 STAIR = Stair(n_risers=6, rise_m=0.17, going_m=0.29, width_m=1.1, floor_front_m=2.0, upper_landing_m=1.4)
@@ -73,7 +72,7 @@ def written(folder, form, scanned):
     return folder / f"a.{form}"
 
 
-E57 = pytest.param("e57", marks=pytest.mark.skipif(not HAS_E57, reason="pye57 is not there"))
+E57 = pytest.param("e57", marks=needs_e57)
 
 
 @pytest.mark.parametrize("form", [E57, "ptx"])

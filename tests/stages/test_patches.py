@@ -104,7 +104,8 @@ def random_level(seed):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_split_in_plan_is_dbscan_on_the_cells_of_each_level(seed):
-    cluster = pytest.importorskip("sklearn.cluster")
+    from sklearn import cluster
+
     low, high = random_level(seed), random_level(seed + 50)
     high[2] += 0.3
     horizontal, levels, patches, patch_of = split(low, high, min_points=60)

@@ -11,6 +11,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+import trimesh
 
 from stair_inspector import __version__
 from stair_inspector.errors import WriteError
@@ -547,7 +548,7 @@ def test_csv_holds_rise_and_going_on_the_three_lines():
 
 
 def read_with_trimesh(path):
-    cloud = pytest.importorskip("trimesh").load(path, process=False)
+    cloud = trimesh.load(path, process=False)
     return np.asarray(cloud.vertices), np.asarray(cloud.colors)[:, :3]
 
 
