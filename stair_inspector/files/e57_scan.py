@@ -136,4 +136,4 @@ class _Gathered:
         )
 
 
-FORMAT = ScanFormat(".e57", "'ASTM-E57'", is_e57, read_e57, read_station=read_e57)
+FORMAT = ScanFormat(".e57", "'ASTM-E57'", is_e57, read_e57, takes=("station",))

@@ -209,4 +209,4 @@ def _laszip_record(data: bytes, at: int, end: int, n_vlrs: int) -> bytes:
     raise ReadError(f"is LAZ without the record that says how it is packed; {TRUNCATED_HINT}")
 
 
-FORMAT = ScanFormat(".las", "'LASF'", is_las, read_las, (".laz",), read_part=read_las)
+FORMAT = ScanFormat(".las", "'LASF'", is_las, read_las, (".laz",), takes=("part",))

@@ -59,4 +59,4 @@ def _unclear(body: bytes, message: str, place: int) -> ColumnsUnclear:
     return unclear_columns(message, find_table(body, 0), at=place)
 
 
-FORMAT = ScanFormat(".pts", "a count of points", has_blocks, read_pts, read_columns=read_pts, is_text=True)
+FORMAT = ScanFormat(".pts", "a count of points", has_blocks, read_pts, is_text=True, takes=("station", "columns"))

@@ -139,5 +139,5 @@ def _grid(data: bytes, heads: list[tuple[LoneNumber, LoneNumber]], k: int) -> _G
 
 
 FORMAT = ScanFormat(
-    ".ptx", "two counts, the scanner's place and axes, and a matrix", is_ptx, read_ptx, read_station=read_ptx
+    ".ptx", "two counts, the scanner's place and axes, and a matrix", is_ptx, read_ptx, takes=("station",)
 )

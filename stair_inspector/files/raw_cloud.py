@@ -6,13 +6,12 @@ here raise ``ReadError`` without the file's name; ``scans.read_scan`` puts it in
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stair_inspector.errors import ReadError
-from stair_inspector.files.file_part import FilePart
 from stair_inspector.files.raw_stations import RawStations
 from stair_inspector.geometry.arrays import Bools, Colors, Floats
 from stair_inspector.model import Note
@@ -74,21 +73,18 @@ class ScanFormat:
     ``suffix`` in lower case, and ``also`` what else its files end in; ``beginning`` are the words for what a file of it
     begins with. ``fits`` tells it from a file's bytes, ``read`` turns them into a cloud or a mesh or raises ReadError.
     ``is_for_meshes`` where a scan should rather not be exported as it; ``is_text`` where other text may have the suffix
-    too. ``read_station`` reads the station with a name or number, all where that is ''; None where a file has none.
-    ``read_columns`` does so where what the columns are may be given, too. ``read_part`` reads no more than a part, None
-    where that takes as long.
+    too. ``takes`` are the keywords that ``read`` has besides: ``station``, a name or number, all where that is '';
+    ``columns``, what they are; ``part``, where reading no more than that takes less.
     """
 
     suffix: str
     beginning: str
     fits: Callable[[bytes], bool]
-    read: Callable[[bytes], RawCloud | RawMesh]
+    read: Callable[..., RawCloud | RawMesh]
     also: tuple[str, ...] = ()
     is_for_meshes: bool = False
-    read_station: Callable[[bytes, str], RawCloud] | None = None
-    read_part: Callable[[bytes, FilePart], RawCloud] | None = None
-    read_columns: Callable[[bytes, str, Sequence[str]], RawCloud] | None = None
     is_text: bool = False
+    takes: tuple[Literal["station", "columns", "part"], ...] = ()
 
     @property
     def suffixes(self) -> tuple[str, ...]:

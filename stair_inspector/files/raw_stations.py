@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stair_inspector.errors import ReadError
-from stair_inspector.geometry.arrays import Floats, Labels
-from stair_inspector.model import Note
+from stair_inspector.geometry.arrays import Floats, Ints, Labels
+from stair_inspector.model import Note, ScanStations
 
 MOST_STATIONS = 1000
 NAME_CHARACTERS = 200
@@ -26,6 +26,10 @@ class RawStations:
     names: tuple[str, ...]
     of_point: Labels
     places: Floats
+
+    def placed(self, rows: Ints, metres: float, origin_m: Floats) -> ScanStations:
+        """Return the same of these points, in metres about an origin; the file's unit is so many metres."""
+        return ScanStations(self.names, self.of_point[rows], self.places * metres - origin_m)
 
 
 def find_station(names: Sequence[str], wanted: str) -> int:

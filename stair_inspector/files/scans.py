@@ -9,6 +9,7 @@ import importlib
 import os
 import stat
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,10 +24,9 @@ from stair_inspector.files.file_part import FilePart
 from stair_inspector.files.paths import as_path
 from stair_inspector.files.raw_cloud import READ_STAGE, RawCloud, RawMesh, ScanFormat, excerpt
 from stair_inspector.files.raw_mesh import cloud_of_mesh
-from stair_inspector.files.raw_stations import RawStations
 from stair_inspector.files.text_scan import is_text, read_text
 from stair_inspector.geometry.arrays import Colors, Floats, Ints
-from stair_inspector.model import Note, Scan, ScanStations
+from stair_inspector.model import Note, Scan
 from stair_inspector.params import ScanUnit
 from stair_inspector.stages.units import DecidedUnit, decide_unit
 from stair_inspector.units import METRES_PER_UNIT
@@ -71,6 +71,7 @@ _HINT = (
     f"export the scan as {', '.join(suffix[1:].upper() for suffix in _FOR_SCANS[:-1])} or {_FOR_SCANS[-1][1:].upper()}"
 )
 
+_COLUMNS_IGNORED = Note("columns_not_asked", READ_STAGE, "columns changes nothing: this format names its own")
 _RESULT_ENDINGS = (".csv", "_debug.ply", "_segmented.ply", "_segmented.laz")
 _RESULT_MARK = b'"stair-inspector/inspection-1"'
 """Stands near the beginning of every JSON that ``measure`` writes."""
@@ -248,16 +249,14 @@ def _parse(name: str, data: bytes, station: str, columns: Sequence[str], part: F
     if known is None and is_archive(data):
         name, data = unpack_scan(data, name, (FOLDER_SUFFIXES, _SCAN_SUFFIXES))
         known = next((each for each in FORMATS if each.fits(data)), None)
-    if known is not None and known.read_columns is not None:
-        return known.read_columns(data, station, columns)
-    if known is not None and known.read_station is not None:
-        return known.read_station(data, station)
-    if station:
+    takes = () if known is None else known.takes
+    if station and "station" not in takes:
         raise ReadError("is of a format that has no stations; measure it without --station")
-    if known is not None and known.read_part is not None:
-        return known.read_part(data, part)
     if known is not None:
-        return known.read(data)
+        asked = {"station": station, "columns": columns, "part": part}
+        read = known.read(data, **{name: asked[name] for name in takes})
+        is_ignored = bool(columns) and "columns" not in takes
+        return replace(read, notes=(*read.notes, _COLUMNS_IGNORED)) if is_ignored else read
     other = next((name for magic, name in _OTHER_FORMATS.items() if data.startswith(magic)), None)
     if other is not None:
         raise ReadError(f"is {other}, which is not read; {_HINT}")
@@ -335,15 +334,9 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, part: FilePart, name: str
         stated_steps_m=None if raw.step is None else raw.step * metres,
         facet_m=None if raw.facet is None else raw.facet * metres,
         is_outward=None if raw.is_outward is None else raw.is_outward[kept],
-        stations=_stations(raw.stations, kept, metres, origin_m),
+        stations=None if raw.stations is None else raw.stations.placed(kept, metres, origin_m),
         part=None if part.box is None else scan_part(part.box, raw.points[outside], metres, origin_m),
     )
-
-
-def _stations(raw: RawStations | None, kept: Ints, metres: float, origin_m: Floats) -> ScanStations | None:
-    if raw is None:
-        return None
-    return ScanStations(raw.names, raw.of_point[kept], raw.places * metres - origin_m)
 
 
 def _dropped(code: str, count: int, of: int, why: str) -> Note:

@@ -1,6 +1,5 @@
 """The functions of the interface: each hands on to a room below, with settings that may be given as keywords."""
 
-import inspect as signatures
 import os
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -18,7 +17,7 @@ from stair_inspector.files.simulations import truth_of, write_simulation
 from stair_inspector.files.toml import check_keys
 from stair_inspector.interface.results import StairCheck, StairInspection
 from stair_inspector.model import Scan
-from stair_inspector.params import SETTINGS, Params
+from stair_inspector.params import SETTINGS, FileReading, Params
 from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
 from stair_inspector.simulation.specs import Stair
 
@@ -26,8 +25,6 @@ Rules = str | os.PathLike[str] | RuleSet
 """A rule set: its id, its file, or itself."""
 KEYWORDS = {name.replace(".", "_"): name for name in SETTINGS}
 """Each setting by its keyword: ``levels_eps_m`` for ``levels.eps_m``."""
-_READER_KEYWORDS = tuple(signatures.signature(read_scan).parameters)[1:]
-"""What a scan can be read with besides its path."""
 
 
 def measure(
@@ -72,11 +69,8 @@ def measure(
     ...
     stair_inspector.errors.ConfigError: settings: unknown setting 'levels_eps'; did you mean 'levels_eps_m'?
     """
-    # Options of the readers that are no settings belong to the file alone.
-    of_file = {name: settings.pop(name) for name in _READER_KEYWORDS if name in settings and name not in KEYWORDS}
     chosen = _params_of(params, preset, settings)
-    of_file |= {name: chosen.value(name) for name in _READER_KEYWORDS if name in KEYWORDS}
-    scan = read_scan(as_path(path, "a scan, or give what read_scan returned to inspect"), **of_file)
+    scan = read_scan(as_path(path, "a scan, or give what read_scan returned to inspect"), *chosen.reading)
     return StairInspection(scan, pipeline.inspect(scan, chosen))
 
 
@@ -110,7 +104,7 @@ def inspect(
     """
     if not isinstance(scan, Scan):
         raise ConfigError(f"inspect: got {brief(scan)}; give a scan as read_scan returns it, or a path to measure")
-    late = [name for name in settings if name in _READER_KEYWORDS]
+    late = [name for name in settings if name in FileReading._fields]
     if late:
         raise ConfigError(f"{late[0]}: is taken when the file is read; give it to read_scan or measure")
     return StairInspection(scan, pipeline.inspect(scan, _params_of(params, preset, settings)))

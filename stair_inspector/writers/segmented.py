@@ -1,5 +1,6 @@
 """The scan with what every point was taken for, as fields of a PLY or LAZ file."""
 
+import importlib.util
 import io
 import math
 from typing import Literal
@@ -63,14 +64,12 @@ def _columns(points: SegmentedPoints) -> tuple[NDArray[np.generic], ...]:
 
 
 def _laz(points: SegmentedPoints, colors: Colors) -> bytes:
-    try:
-        import laspy
-        import lazrs  # noqa: F401 - laspy asks for it late, with a traceback
-    except ImportError as error:
+    if any(importlib.util.find_spec(package) is None for package in ("laspy", "lazrs")):
         raise WriteError(
-            f"the segmented scan cannot be packed as LAZ, which needs the packages laspy and lazrs ({error}); "
-            "write it as PLY"
-        ) from error
+            "the segmented scan cannot be packed as LAZ, which needs the packages laspy and lazrs; write it as PLY"
+        )
+    import laspy
+
     columns = _columns(points)
     header = laspy.LasHeader(point_format=7, version="1.4")
     header.generating_software = f"stair-inspector {__version__}"

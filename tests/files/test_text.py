@@ -9,6 +9,7 @@ import pytest
 from stair_inspector import cli
 from stair_inspector.columns import parse_columns
 from stair_inspector.errors import ColumnsUnclear, ConfigError, ReadError
+from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.scans import read_scan
 from stair_inspector.files.text_scan import read_text
 from stair_inspector.params import Params
@@ -269,6 +270,15 @@ def test_the_command_line_takes_columns_that_begin_with_a_dash(tmp_path, capsys)
     assert "columns" not in capsys.readouterr().err
     assert cli.main(["measure", str(numbered), "-o", str(tmp_path / "out"), "--columns", "x,y"]) == 2
     assert "name x, y and z once each" in capsys.readouterr().err
+
+
+def test_columns_for_a_format_that_names_its_own_are_said_to_change_nothing(tmp_path):
+    (tmp_path / "a.ply").write_bytes(ply_bytes(np.random.default_rng(1).random((50, 3))))
+    for columns, is_said in (("auto", False), ("z,y,x", True)):
+        scan = read_scan(tmp_path / "a.ply", "m", columns=columns)
+        assert ("columns_not_asked" in [note.code for note in scan.notes]) is is_said
+    again = read_scan(tmp_path / "a.ply", "m")
+    assert np.array_equal(scan.points, again.points)
 
 
 DAMAGED = ("german", "remarks behind rows", "quoted decimal commas", "Fortran", "titles", "blanks and tabs")

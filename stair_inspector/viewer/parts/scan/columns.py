@@ -2,7 +2,6 @@
 
 from stair_inspector.errors import ColumnsUnclear
 from stair_inspector.viewer.bridge.markup import LINE, list_key, pick_script, press_attribute, read_order, text
-from stair_inspector.viewer.bridge.widgets import Button
 from stair_inspector.viewer.parts.part import Context
 
 _TAKE = "columns"
@@ -20,10 +19,9 @@ class ColumnsTool:
         widgets = context.widgets
         self.asked = widgets.html()
         self._uuid = widgets.orders("Chosen columns", self.take)
-        self._editor.controls.add_text(_NAME)
-        self._apply: Button = widgets.button(
-            "Read with these columns", self.apply, is_quiet=True, hint="Counts for scans in text alone."
-        )
+        with widgets.folder("Columns of a text", is_open=False):
+            self._editor.controls.add_text(_NAME)
+            widgets.button("Read with these columns", self.apply, is_quiet=True, hint="Counts for scans in text alone.")
 
     def show(self) -> None:
         """Ask where it is not certain what the columns of the open scan are."""
@@ -64,6 +62,6 @@ def columns_html(error: ColumnsUnclear, pick_uuid: str) -> str:
         '<div data-testid="columns-question" role="status" style="font-size:12px;line-height:1.4;padding:2px 9px 8px">'
         "<b>Which columns are x, y and z?</b> The file does not say it; it begins"
         f'<pre style="overflow-x:auto;border:1px solid {LINE};border-radius:4px;padding:4px 6px;margin:4px 0">'
-        f"{lines}</pre>{buttons}<div>Or write under Columns of the file what each of them is, '-' for one to skip."
+        f"{lines}</pre>{buttons}<div>Or write under Columns of a text what each of them is, '-' for one to skip."
         "</div></div>"
     )
