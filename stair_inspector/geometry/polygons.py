@@ -112,7 +112,7 @@ def _is_ear(plane: Floats, before: int, tip: int, after: int, left: list[int]) -
     # Bridges to holes run to a corner twice: who lies on a corner of the ear is not in it.
     others = others[~((others == a).all(axis=1) | (others == b).all(axis=1) | (others == c).all(axis=1))]
     sides = np.stack([_turn(a, b, others), _turn(b, c, others), _turn(c, a, others)])
-    return not bool((sides >= 0.0).all(axis=0).any()) if len(others) else True
+    return not bool((sides >= 0.0).all(axis=0).any())
 
 
 def _turn(a: Floats, b: Floats, points: Floats) -> Floats:
