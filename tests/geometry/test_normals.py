@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stair_inspector.geometry.normals import estimate_normals, morton_order
+from stair_inspector.geometry.normals import estimate_normals, estimate_normals_at, morton_order
 from tests.oracles import open3d_or_skip
 from tests.synthetic import Stair
 
@@ -60,3 +60,24 @@ def test_normals_have_unit_length_even_on_a_line_and_the_input_may_be_read_only(
 def test_fewer_points_than_neighbours_share_one_normal():
     points = np.column_stack([np.random.default_rng(9).uniform(0, 1, (20, 2)), np.zeros(20)])
     np.testing.assert_allclose(np.abs(estimate_normals(points, 30)), np.tile([0, 0, 1], (20, 1)), atol=1e-12)
+
+
+def test_normals_at_some_places_are_those_of_the_surfaces_there():
+    # A floor and a wall a metre apart, far from the origin.
+    rng = np.random.default_rng(10)
+    plane = rng.uniform(0.0, 1.0, (500, 3))
+    floor, wall = plane * [1.0, 1.0, 0.0], plane * [0.0, 1.0, 1.0] + [2.0, 0.0, 1.0]
+    points = np.concatenate([floor, wall]) + np.array([500.0, -800.0, 30.0])
+    places = np.array([700, 3, 999, 0])
+    expected = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    np.testing.assert_allclose(np.abs(estimate_normals_at(points, places, 12)), expected, atol=1e-9)
+    # Fewer points than neighbours: all of them.
+    few = points[:8]
+    np.testing.assert_allclose(np.abs(estimate_normals_at(few, np.array([2, 7]), 12)), expected[1::2], atol=1e-9)
+
+
+def test_normals_at_some_places_are_those_of_the_nearest_points():
+    points, _ = Stair(risers=True, noise=0.002, spacing=0.03).sample()
+    places = np.arange(0, len(points), 40)
+    cosines = (estimate_normals(points, 12)[places] * estimate_normals_at(points, places, 12)).sum(axis=1)
+    np.testing.assert_allclose(np.abs(cosines), 1.0, atol=1e-9)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from stair_inspector.geometry.plan import angle_deg, cell_keys, in_frame, left_of, place_in_frame, turn_deg
+from stair_inspector.geometry.plan import angle_deg, cell_keys, in_frame, left_of, place_in_frame, turn_deg, unit_way
 
 
 def direction(deg):
@@ -19,6 +19,11 @@ def test_left_is_a_quarter_turn_and_turns_to_the_left_are_positive(deg):
     assert turn_deg(ahead, direction(deg + 20.0)) == pytest.approx(20.0)
     assert turn_deg(ahead, direction(deg - 170.0)) == pytest.approx(-170.0)
     assert angle_deg(ahead, direction(deg - 170.0)) == pytest.approx(170.0)
+
+
+def test_a_way_of_any_length_is_made_one_of_length_one():
+    np.testing.assert_allclose(unit_way(-7.3 * direction(50.0)), direction(230.0), atol=1e-15)
+    np.testing.assert_allclose(unit_way(1e-3 * direction(50.0)), direction(50.0), atol=1e-15)
 
 
 def test_one_place_and_many_have_the_same_coordinates_in_a_frame():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from sklearn.neighbors import NearestNeighbors
 
+from stair_inspector.geometry import polygons
 from stair_inspector.geometry.polygons import triangulate
 from stair_inspector.geometry.solids import find_hidden, find_parts, outward_normals
 from stair_inspector.geometry.triangles import (
@@ -108,6 +109,50 @@ def test_polygons_of_many_lengths_and_those_without_area():
     vertices = np.concatenate([ELL, [[5.0, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]]])
     found = triangulate(vertices, np.array([6, 7, 8, 9, 6, 7, *range(6), 6, 7, 8]), np.array([4, 2, 6, 3]))
     assert areas_of(vertices[found.triangles]).sum() == pytest.approx(1.0 + 3.0 + 0.5)
+
+
+def test_no_polygon_gives_no_triangle():
+    found = triangulate(ELL, np.arange(2), np.array([2]))
+    assert (found.triangles.shape, found.n_left_out) == ((0, 3), 0)
+
+
+@pytest.mark.parametrize("shift", range(4))
+@pytest.mark.parametrize("place", [(0.0, 0.0, 0.0), (389412.3, 5819322.1, 42.0)], ids=["near", "utm"])
+def test_a_quadrangle_with_a_corner_inwards_is_no_fan(shift, place):
+    dart = np.array([[0, 0, 0], [4, 1, 1], [0, 2, 0], [1, 1, 0.25]], dtype=np.float64)
+    corners = np.roll(dart, shift, axis=0) + place
+    found = triangulate(corners, np.arange(4), np.array([4]))
+    # Half of 2 by 4 less half of 2 by 1, in a plane that rises by a quarter.
+    assert areas_of(corners[found.triangles]).sum() == pytest.approx(3.0 * np.hypot(1.0, 0.25), rel=1e-6)
+
+
+def test_a_hole_that_a_bridge_joins_to_the_rim_stays_a_hole():
+    rim = [[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]]
+    hole = [[1, 1, 0], [1, 2, 0], [3, 2, 0], [3, 1, 0]]
+    vertices = np.array(rim + hole, dtype=np.float64)
+    # From the first corner of the rim to that of the hole, around it, and back.
+    for corners in ([0, 1, 2, 3, 0, 4, 5, 6, 7, 4], [0, 4, 7, 6, 5, 4, 0, 3, 2, 1]):
+        # Some files write the places of the bridge twice.
+        for kept in (vertices, vertices[corners]):
+            numbers = np.array(corners if kept is vertices else range(10))
+            found = triangulate(kept, numbers, np.array([10]))
+            assert found.n_left_out == 0
+            assert areas_of(kept[found.triangles]).sum() == pytest.approx(12.0 - 2.0)
+            x, y, _ = kept[found.triangles].mean(axis=1).T
+            assert not ((x > 1.0) & (x < 3.0) & (y > 1.0) & (y < 2.0)).any()
+
+
+def test_what_is_left_of_the_work_goes_to_the_next_polygon_and_who_gets_none_is_counted(monkeypatch):
+    corners = profile(18)
+    lengths = np.full(5, len(corners))
+    numbers = np.tile(np.arange(len(corners)), 5)
+    whole = triangulate(corners, numbers, lengths)
+    assert (len(whole.triangles), whole.n_left_out) == (5 * (len(corners) - 2), 0)
+    # Between 36 and so many times as many corners are tried in each, against up to 38 others.
+    monkeypatch.setattr(polygons, "_MOST_WORK", 2 * 36 * 100)
+    some = triangulate(corners, numbers, lengths)
+    assert 3 <= some.n_left_out <= 4
+    assert len(some.triangles) == (5 - some.n_left_out) * (len(corners) - 2)
 
 
 def test_a_polygon_that_crosses_itself_is_left_out_and_hostile_ones_end_soon():
