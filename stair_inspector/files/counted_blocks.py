@@ -130,6 +130,8 @@ def named_columns(blocks: Sequence[Floats], roles: Sequence[str] = ()) -> tuple[
         return {role: as_whole(column) for role, column in zip(roles, rows.T, strict=False) if role}, 0
     columns: dict[str, NDArray[Any]] = dict(zip("xyz", rows[:, :3].T, strict=True))
     n_rest = rows.shape[1] - 3
+    if n_rest in (1, 4):
+        columns["intensity"] = rows[:, 3]
     if n_rest in (3, 4):
         colors = [as_whole(column) for column in rows[:, -3:].T]
         if all(column.dtype.kind == "i" and column.min() >= 0 and column.max() <= 255 for column in colors):

@@ -27,6 +27,7 @@ _NAME_CHARACTERS = 200
 _XYZ = ("cartesianX", "cartesianY", "cartesianZ")
 _RANGES = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
 _INVALID: dict[tuple[str, ...], str] = {_XYZ: "cartesianInvalidState", _RANGES: "sphericalInvalidState"}
+_INTENSITY = "intensity"
 _RGB = ("colorRed", "colorGreen", "colorBlue")
 
 
@@ -40,7 +41,8 @@ class _Station:
 
     ``fields`` are the coordinates that are read, empty where there are none; ``turn`` (3, 3) and ``place`` (3,) the
     pose; ``steps`` (3,) of its coordinates in its own frame or None; ``limits`` (3, 2) of its colours or None;
-    ``refused`` says why it cannot be read, which matters only to who wants it.
+    ``intensity`` the field of how strongly its points reflected, or None; ``refused`` says why it cannot be read, which
+    matters only to who wants it.
     """
 
     node: Any
@@ -55,6 +57,7 @@ class _Station:
     limits: NDArray[np.float64] | None
     has_colors: bool
     invalid_color: str | None
+    intensity: str | None = None
     refused: str = ""
 
 
@@ -117,6 +120,7 @@ def _told(station: _Station) -> dict[str, object]:
         "place": station.place.tolist() if station.has_pose else None,
         "steps": None if station.steps is None else station.steps.tolist(),
         "has_colors": station.limits is not None,
+        "has_intensities": station.intensity is not None,
         "colors_unknown": station.has_colors and station.limits is None,
     }
 
@@ -175,6 +179,7 @@ class _File:
             limits=self._color_limits(node, prototype) if has_colors else None,
             has_colors=has_colors,
             invalid_color="isColorInvalid" if prototype.isDefined("isColorInvalid") else None,
+            intensity=_INTENSITY if prototype.isDefined(_INTENSITY) else None,
         )
 
     def _number(self, node: Any) -> float:
@@ -233,11 +238,12 @@ class _File:
         return limits if all(map(_is_range, limits)) else None
 
     def send(self, number: int, answers: BinaryIO) -> None:
-        """Send the points of a station, block by block: where they lie in the file's frame, and their colours."""
+        """Send the points of a station, block by block: where they lie in the file's frame, their colours, and more."""
         station = self.stations[number]
         colors = _RGB if station.limits is not None else ()
         marks = [name for name in (station.invalid, station.invalid_color if colors else None) if name]
-        names = [*station.fields, *colors, *marks]
+        shine = [station.intensity] if station.intensity else []
+        names = [*station.fields, *colors, *marks, *shine]
         block = min(BLOCK, station.count)
         values = {name: np.zeros(block) for name in names}
         buffers = self._library.VectorSourceDestBuffer()
@@ -255,6 +261,7 @@ class _File:
             sent: list[NDArray[Any]] = [_places(station, own)[kept]]
             if station.limits is not None:
                 sent.append(_bytes(own, station.limits, station.invalid_color)[kept])
+            sent += [own[name][kept] for name in shine]
             _say(answers, kind="block", station=number, n=len(kept), n_invalid=n - len(kept))
             for array in sent:
                 answers.write(np.ascontiguousarray(array).data)

@@ -46,17 +46,22 @@ class E57Station:
     steps: Floats | None
     has_colors: bool
     has_unknown_colors: bool
+    has_intensities: bool
     refused: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class E57Block:
-    """Points (n, 3) of a station in the file's frame, their colours or None, and how many invalid ones it had."""
+    """Points (n, 3) of a station in the file's frame, their colours or None, and how many invalid ones it had.
+
+    ``intensities`` (n,) as the file has them, or None.
+    """
 
     station: int
     points: Floats
     colors: Colors | None
     n_invalid: int
+    intensities: Floats | None
 
 
 class E57Process:
@@ -114,6 +119,7 @@ class E57Process:
                 None if told["steps"] is None else np.array(told["steps"]),
                 told["has_colors"],
                 told["colors_unknown"],
+                told["has_intensities"],
                 told["refused"],
             )
             for told in answer["stations"]
@@ -133,7 +139,8 @@ class E57Process:
             n, number = answer["n"], answer["station"]
             points = self._array((n, 3), np.float64)
             colors = self._array((n, 3), np.uint8) if self._stations[number].has_colors else None
-            yield E57Block(number, points, colors, answer["n_invalid"])
+            shine = self._array((n, 1), np.float64)[:, 0] if self._stations[number].has_intensities else None
+            yield E57Block(number, points, colors, answer["n_invalid"], shine)
             answer = self._answer()
 
     def _keep(self, data: bytes) -> None:

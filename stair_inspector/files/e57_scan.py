@@ -1,7 +1,7 @@
 """Reading E57: every station of a file, each laid where its pose says.
 
 The library that knows the format, libE57Format by way of pye57, runs in a process of its own, which reads in blocks:
-it takes the file, 27 bytes for each point, and half a gigabyte at most besides.
+it takes the file, 35 bytes for each point, and half a gigabyte at most besides.
 """
 
 import importlib.util
@@ -11,7 +11,7 @@ import numpy as np
 
 from stair_inspector.errors import ReadError
 from stair_inspector.files.e57_process import E57Block, E57Process, E57Station
-from stair_inspector.files.raw_cloud import READ_STAGE, TRUNCATED_HINT, RawCloud, ScanFormat
+from stair_inspector.files.raw_cloud import READ_STAGE, TRUNCATED_HINT, RawCloud, ScanFormat, as_intensities
 from stair_inspector.files.raw_stations import RawStations, find_station, short_name, stations_note
 from stair_inspector.geometry.arrays import Colors, Floats, Labels
 from stair_inspector.model import Note
@@ -39,8 +39,8 @@ def read_e57(data: bytes, station: str = "") -> RawCloud:
     -------
     RawCloud
         Metres, in the frame of the file. Without the points that the file marks as invalid. Colours between the limits
-        that it states; points of a station without colours are black. Notes: ``stations_read``, ``invalid_dropped``,
-        ``colors_dropped``.
+        that it states; points of a station without colours are black, and have no intensity where it has none. Notes:
+        ``stations_read``, ``invalid_dropped``, ``colors_dropped``.
 
     Raises
     ------
@@ -90,6 +90,8 @@ class _Gathered:
         self._of_point: Labels = np.zeros(n, dtype=np.int16)
         has_colors = any(stations[k].has_colors for k in wanted)
         self._colors: Colors | None = np.zeros((n, 3), dtype=np.uint8) if has_colors else None
+        has_shine = any(stations[k].has_intensities for k in wanted)
+        self._intensities: Floats | None = np.full(n, np.nan) if has_shine else None
         self._n = 0
         self._n_invalid = 0
 
@@ -100,6 +102,8 @@ class _Gathered:
         self._of_point[own] = block.station
         if self._colors is not None and block.colors is not None:
             self._colors[own] = block.colors
+        if self._intensities is not None and block.intensities is not None:
+            self._intensities[own] = block.intensities
         self._n += len(block.points)
         self._n_invalid += block.n_invalid
 
@@ -133,6 +137,7 @@ class _Gathered:
             unit="m",
             step=np.max(stated, axis=0) if stated else None,
             stations=RawStations(names, of_point, np.array(places)),
+            intensities=None if self._intensities is None else as_intensities(self._intensities[:n]),
         )
 
 

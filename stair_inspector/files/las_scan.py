@@ -34,6 +34,7 @@ _HEADER_BYTES, _HEADER_14_BYTES, _VLR_BYTES = 227, 375, 54
 _MOST_VLRS = 10_000
 _LENGTHS = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
 """Bytes of a point of each format; more are extra bytes of whoever wrote it."""
+_INTENSITY_AT = 12
 _RED_AT = {2: 20, 3: 28, 5: 28, 7: 30, 8: 30, 10: 30}
 _FIRST_OF_14 = 6
 """The formats from here on have whole bytes for class and flags."""
@@ -125,8 +126,9 @@ def _cloud_of(records: bytes | bytearray, begin: int, header: LasHeader, said: S
         if any(channel.any() for channel in channels):
             columns |= dict(zip(RED_GREEN_BLUE, channels, strict=True))
     kept, notes = _kept(records, begin, header)
+    columns["intensity"] = strided_column(records, "<u2", count, begin + _INTENSITY_AT, length)
     cloud = cloud_from_columns({name: column[kept] for name, column in columns.items()}, notes)
-    return RawCloud(cloud.points, cloud.colors, None, (*said, *cloud.notes), step=np.array(header.scale))
+    return replace(cloud, notes=(*said, *cloud.notes), step=np.array(header.scale))
 
 
 def _kept(records: bytes | bytearray, begin: int, header: LasHeader) -> tuple[Bools, list[Note]]:

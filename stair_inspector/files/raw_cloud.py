@@ -22,8 +22,11 @@ RED_GREEN_BLUE = ("red", "green", "blue")
 NORMAL_XYZ = ("nx", "ny", "nz")
 TRUNCATED_HINT = "the file is truncated, copy or export it again"
 _COLOR_NAMES = (RED_GREEN_BLUE, ("r", "g", "b"), ("rf", "gf", "bf"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
+_INTENSITY_NAMES = ("intensity", "scalar_intensity", "reflectance", "scalar_reflectance", "reflectivity")
 _NORMAL_NAMES = (NORMAL_XYZ, ("normal_x", "normal_y", "normal_z"))
-POINT_NAMES = frozenset(name for names in (tuple("xyz"), *_COLOR_NAMES, *_NORMAL_NAMES) for name in names)
+POINT_NAMES = frozenset(
+    name for names in (tuple("xyz"), *_COLOR_NAMES, *_NORMAL_NAMES, _INTENSITY_NAMES) for name in names
+)
 """Names of the columns of which a cloud is made."""
 _COUNT_DIGITS = 15
 """A count with more digits exceeds any file."""
@@ -38,7 +41,7 @@ class RawCloud:
     where they are known to point out of a solid, None of a scan; ``unit`` where the file states one; ``step``
     (3,) on which its coordinates lie, in the file's unit, where the format states one; ``facet`` the length of the
     edges of a mesh that was scanned, in the file's unit; ``stations`` that saw the points; ``has_levels`` where no more
-    levels of detail were read than wanted.
+    levels of detail were read than wanted; ``intensities`` (n,) how strongly they reflected, on the file's own scale.
     """
 
     points: Floats
@@ -51,6 +54,7 @@ class RawCloud:
     facet: float | None = None
     stations: RawStations | None = None
     has_levels: bool = False
+    intensities: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -205,7 +209,21 @@ def cloud_from_columns(columns: Mapping[str, NDArray[Any]], notes: Sequence[Note
             )
     normal_names = _first_present(columns, _NORMAL_NAMES)
     normals = None if normal_names is None else _stacked(columns, normal_names)
-    return RawCloud(points, colors, normals, tuple(noted))
+    shine = next((columns[name] for name in _INTENSITY_NAMES if name in columns), None)
+    return RawCloud(points, colors, normals, tuple(noted), intensities=None if shine is None else as_intensities(shine))
+
+
+def as_intensities(column: NDArray[Any]) -> Floats | None:
+    """Return how strongly points (n,) reflected, NaN where that is not finite; None where all are alike."""
+    if column.dtype.kind not in "iuf":
+        return None
+    with np.errstate(invalid="ignore", over="ignore"):
+        values = column.astype(np.float64)
+    known = values[np.isfinite(values)]
+    if not len(known) or not np.ptp(known):
+        return None
+    values[~np.isfinite(values)] = np.nan
+    return values
 
 
 def _first_present(columns: Mapping[str, object], choices: Sequence[tuple[str, ...]]) -> tuple[str, ...] | None:

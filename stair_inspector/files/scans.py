@@ -335,6 +335,7 @@ def _to_scan(read: RawCloud | RawMesh, unit: ScanUnit, part: FilePart, name: str
         facet_m=None if raw.facet is None else raw.facet * metres,
         is_outward=None if raw.is_outward is None else raw.is_outward[kept],
         stations=None if raw.stations is None else raw.stations.placed(kept, metres, origin_m),
+        intensities=None if raw.intensities is None else raw.intensities[kept],
         part=None if part.box is None else scan_part(part.box, raw.points[outside], metres, origin_m),
     )
 

@@ -39,6 +39,8 @@ def cloud_without_names(values: Floats, notes: Sequence[Note], unclear: Callable
     elif n_rest == 4 and _are_colors(rest[:, 1:]):
         columns.update(zip(RED_GREEN_BLUE, rest[:, 1:].T.astype(np.uint8), strict=True))
         used = n_rest
+    if n_rest == 1 or used == 4:
+        columns["intensity"] = rest[:, 0]
     # A fourth column is an intensity by custom; of anything else the user should know that it was not understood.
     if n_rest > max(used, 1):
         message = (

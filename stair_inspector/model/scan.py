@@ -75,6 +75,7 @@ class Scan:
     coordinates lie by the word of the file, as of LAS its scale; None where it says nothing. ``facet_m`` is the
     length of the edges of a mesh whose faces are measured ones, as a phone's; None of a scan and of a drawn model.
     ``stations`` tell which saw each point, where the file does. ``part`` is what was read of the file, None for all.
+    ``intensities`` (n,) are how strongly each point reflected, as the file has it, NaN where it has none, or None.
     """
 
     points: Floats
@@ -93,6 +94,7 @@ class Scan:
     facet_m: float | None = None
     stations: ScanStations | None = None
     part: ReadPart | None = None
+    intensities: Floats | None = None
 
     def __post_init__(self) -> None:
         n = len(self.points)
@@ -103,6 +105,11 @@ class Scan:
             object.__setattr__(self, "colors", own(self.colors, (n, 3), "colors", np.uint8))
         if self.normals is not None:
             object.__setattr__(self, "normals", own(self.normals, (n, 3), "normals"))
+        if self.intensities is not None:
+            intensities = np.array(self.intensities, dtype=np.float64)
+            if intensities.shape != (n,):
+                raise DegenerateGeometry(f"intensities: expected shape {(n,)}, got {intensities.shape}")
+            object.__setattr__(self, "intensities", freeze(intensities))
         if self.stated_steps_m is not None:
             object.__setattr__(self, "stated_steps_m", own(self.stated_steps_m, (3,), "stated_steps_m"))
         if self.is_outward is not None:

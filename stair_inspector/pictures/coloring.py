@@ -17,9 +17,9 @@ from stair_inspector.pictures.display import REJECTED_COLOR, Display
 from stair_inspector.pictures.legends import Legend, Ramp, colors_on
 from stair_inspector.units import tidy
 
-ColorMode = Literal["Step", "Height", "Normal", "Residual", "Original"]
+ColorMode = Literal["Step", "Height", "Normal", "Residual", "Intensity", "Original"]
 
-COLOR_MODES: tuple[ColorMode, ...] = ("Step", "Height", "Normal", "Residual", "Original")
+COLOR_MODES: tuple[ColorMode, ...] = ("Step", "Height", "Normal", "Residual", "Intensity", "Original")
 VIRIDIS: tuple[Rgb, ...] = (
     (68, 1, 84),
     (70, 50, 127),
@@ -111,7 +111,18 @@ def color_points(
         residuals = residuals_at(inspection, display.points, display.point_ids)
         limit_m = residual_limit(residuals)
         return Coloring(color_residuals(residuals, limit_m), residual_legend(limit_m))
-    return Coloring(display.colors, Legend("colours of the scan; grey where it has none"))
+    if mode == "Intensity":
+        return _by_intensity(display)
+    greys = "by how strongly it reflects where it has none" if display.greys is not None else "where it has none"
+    return Coloring(display.colors, Legend(f"colours of the scan; grey {greys}"))
+
+
+def _by_intensity(display: Display) -> Coloring:
+    if display.greys is None:
+        return Coloring(
+            np.full_like(display.colors, NOT_COLORED), Legend("the scan does not say how strongly it reflects")
+        )
+    return Coloring(display.greys, Legend("how strongly it reflects: dark little, light much"))
 
 
 def step_colors(inspection: Inspection, display: Display, palette: Palette, *, with_rejected: bool = False) -> Colors:

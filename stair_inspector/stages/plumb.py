@@ -132,7 +132,14 @@ def _thinned(scan: Scan, normals: Normals) -> tuple[Scan, Normals]:
         return scan, normals
     ids = np.sort(np.random.default_rng(0).choice(n, _POINTS, replace=False))
     few = replace(
-        scan, points=scan.points[ids], colors=None, normals=None, repeats=None, is_outward=None, stations=None
+        scan,
+        points=scan.points[ids],
+        colors=None,
+        normals=None,
+        repeats=None,
+        is_outward=None,
+        stations=None,
+        intensities=None,
     )
     return few, Normals(own(normals.vectors[ids], (None, 3), "normals"))
 

@@ -13,7 +13,7 @@ from stair_inspector.content.segmented_points import KINDS, SegmentedPoints, seg
 from stair_inspector.errors import WriteError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.files.ply import ply_bytes
-from stair_inspector.geometry.arrays import Colors
+from stair_inspector.geometry.arrays import Colors, Floats
 from stair_inspector.model import Inspection, Scan
 
 SegmentedFormat = Literal["laz", "ply"]
@@ -21,6 +21,7 @@ FIELDS = ("step", "kind", "residual_m")
 """Names of the fields in both formats: int16, uint8 and float32."""
 _SCALE_M = 0.0001
 _MOST_WHOLE = 2**31 - 1
+_MOST_16_BITS = 2**16 - 1
 _DAY = slice(90, 94)
 """Where the header of LAS has day and year of its making."""
 _WIDE_FROM_NARROW = 257
@@ -33,7 +34,8 @@ def segmented_bytes(scan: Scan, inspection: Inspection, form: SegmentedFormat) -
     ``step`` is the step's number, 0 the floor, -1 neither; ``kind`` the place in
     :data:`~stair_inspector.content.segmented_points.KINDS`; ``residual_m`` the signed distance from the plane of the
     step or floor, NaN where there is none. Points stand where they lay when they were measured, in metres of the scan
-    frame, with the colours of the scan, or those of the segmentation where it has none.
+    frame, with the colours of the scan, or those of the segmentation where it has none, and with its intensity where
+    it has one.
 
     Parameters
     ----------
@@ -50,12 +52,14 @@ def segmented_bytes(scan: Scan, inspection: Inspection, form: SegmentedFormat) -
     """
     points = segmented_points(scan, inspection)
     colors = read_palette("paper").of_labels(points.steps) if scan.colors is None else scan.colors
-    return _ply(points, colors) if form == "ply" else _laz(points, colors)
+    return (_ply if form == "ply" else _laz)(points, colors, scan.intensities)
 
 
-def _ply(points: SegmentedPoints, colors: Colors) -> bytes:
+def _ply(points: SegmentedPoints, colors: Colors, intensities: Floats | None) -> bytes:
     meaning = ", ".join(f"{number} {kind}" for number, kind in enumerate(KINDS))
     fields = dict(zip(FIELDS, _columns(points), strict=True))
+    if intensities is not None:
+        fields["intensity"] = intensities
     return ply_bytes(points.places_m, colors, fields=fields, comments=[f"kind: {meaning}"])
 
 
@@ -63,7 +67,19 @@ def _columns(points: SegmentedPoints) -> tuple[NDArray[np.generic], ...]:
     return points.steps, points.kinds, points.residuals_m.astype(np.float32)
 
 
-def _laz(points: SegmentedPoints, colors: Colors) -> bytes:
+def _of_16_bits(intensities: Floats) -> NDArray[np.uint16]:
+    """Return intensities as LAS has them: whole numbers that fit as they are, others from the least to the greatest."""
+    known = np.nan_to_num(intensities, nan=float(np.nanmin(intensities)))
+    low, high = float(known.min()), float(known.max())
+    if low < 0.0 or high > _MOST_16_BITS or (known != np.rint(known)).any():
+        # Shares of one stay shares of the whole range.
+        low, high = (0.0, 1.0) if low >= 0.0 and high <= 1.0 else (low, high)
+        known = (known - low) / max(high - low, 1e-300) * _MOST_16_BITS
+    whole: NDArray[np.uint16] = np.rint(known).astype(np.uint16)
+    return whole
+
+
+def _laz(points: SegmentedPoints, colors: Colors, intensities: Floats | None) -> bytes:
     if any(importlib.util.find_spec(package) is None for package in ("laspy", "lazrs")):
         raise WriteError(
             "the segmented scan cannot be packed as LAZ, which needs the packages laspy and lazrs; write it as PLY"
@@ -88,6 +104,8 @@ def _laz(points: SegmentedPoints, colors: Colors) -> bytes:
     made.x, made.y, made.z = points.places_m.T
     wide = colors.astype(np.uint16) * _WIDE_FROM_NARROW
     made.red, made.green, made.blue = wide.T
+    if intensities is not None:
+        made.intensity = _of_16_bits(intensities)
     for name, column in zip(FIELDS, columns, strict=True):
         made[name] = column
     stream = io.BytesIO()

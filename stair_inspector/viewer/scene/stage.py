@@ -84,6 +84,7 @@ class Stage:
     point_size_m: float = 0.0
     n_drawn: int = 0
     before_clear: list[Callable[[], None]] = field(default_factory=list)
+    _raw_colors: Colors | None = None
     _lent: Mode | None = None
     _magnified: float = 1.0
     _per_step: list[tuple[viser.MeshHandle, viser.LabelHandle]] = field(default_factory=list)
@@ -107,7 +108,14 @@ class Stage:
         self._nodes.frame(_REGION)
         self._points("/stair/raw", display.points, display.colors, is_visible=self._mode_shown != "Segmented")
         self._points("/stair/segments/cloud", display.points, display.colors)
+        self._raw_colors = display.colors
         self._show_mode()
+
+    @_counted
+    def color_raw(self, colors: Colors) -> None:
+        """Give the points of the raw cloud (m, 3) other colours; those that it has are not sent again."""
+        if colors is not self._raw_colors:
+            self._nodes["/stair/raw"].colors = self._raw_colors = colors
 
     @_counted
     def show_drawing(self, drawing: SegmentedScene, palette: Palette, on_pick: Callable[[int], None]) -> None:

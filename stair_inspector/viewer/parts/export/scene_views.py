@@ -176,6 +176,7 @@ class SceneViews:
             stage.show_dimensions(None, None, palette)
             drawing = draw(shown.inspection, shown.display, shown.scan.points, palette, colors=coloring.colors)
             stage.show_drawing(drawing, palette, desk.notices.guard(desk.select))
+            stage.color_raw(shown.display.colors)
             stage.show_marks(self._desk.marks)
             stage.lend("Raw" if subject == "Raw" else "Segmented")
             pose = self._look.pose_of(shown, view, _WIDTH / _HEIGHT)

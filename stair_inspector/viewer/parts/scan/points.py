@@ -18,7 +18,10 @@ class PointsFolder:
         widgets = context.widgets
         with widgets.folder("Points"):
             widgets.dropdown(
-                "Colour by", COLOR_MODES, hint="Of the segmented cloud; see the legend.", on_change=look.set_color
+                "Colour by",
+                COLOR_MODES,
+                hint="Of the segmented cloud, by intensity of the raw one too; see the legend.",
+                on_change=look.set_color,
             )
             widgets.checkbox(
                 "Shade edges",
