@@ -6,7 +6,6 @@ from sklearn.neighbors import NearestNeighbors
 
 from stair_inspector.geometry import polygons
 from stair_inspector.geometry.polygons import triangulate
-from stair_inspector.geometry.solids import find_hidden, find_parts, outward_normals
 from stair_inspector.geometry.triangles import (
     areas_of,
     facet_of,
@@ -15,7 +14,7 @@ from stair_inspector.geometry.triangles import (
     points_per_triangle,
     sample_triangles,
 )
-from tests.files.models import box, stair_of_solids
+from tests.files.models import stair_of_solids
 from tests.synthetic import rotation
 
 PLATE = np.array([[[0, 0, 0], [2, 0, 0], [2, 1, 0]], [[0, 0, 0], [2, 1, 0], [0, 1, 0]]], dtype=np.float64)
@@ -162,7 +161,7 @@ def test_a_polygon_that_crosses_itself_is_left_out_and_hostile_ones_end_soon():
     assert found.n_left_out > 25
 
 
-# --- solids ---
+# --- faces of scans and of models ---
 
 
 def grid_of(side, shape, noise, seed=0):
@@ -192,34 +191,29 @@ def test_a_model_has_no_such_faces_however_finely_it_is_cut_turned_or_rounded(tu
     assert facet_of(flat, areas_of(flat)) is None
 
 
-def test_what_lies_inside_an_overlapping_solid_is_hidden():
-    model = stair_of_solids(n_steps=3)
-    corners = np.array(model.triangles)
-    parts = find_parts(corners)
-    assert len(parts.solids) == 4
-    points, on = sampled(corners)
-    hidden = find_hidden(parts, points, on)
-    x, y, z = points.T
-    inner = (y > 0.01) & (y < 0.99) & (x < 0.83)
-    first_top = inner & (np.abs(z - 0.175) < 1e-9)
-    assert hidden[first_top & (x > 0.285)].all()
-    assert not hidden[first_top & (x < 0.275)].any()
-    assert not hidden[inner & (np.abs(z - 3 * 0.175) < 1e-9)].any()
+def test_whatever_corners_have_is_interpolated_over_the_face():
+    corners = np.array(
+        [[[0, 0, 0], [0.3, 0.1, 0], [0.1, 0.5, 0.2]], [[2, 0, 1], [2, 1, 1], [2, 0, 3]]], dtype=np.float64
+    )
+    ordered = np.take_along_axis(corners, in_fixed_order(corners)[:, :, None], axis=1)
+    slopes = np.array([[3.0, -40.0], [0.5, 100.0], [2.0, 7.0]])
+    values = np.concatenate([ordered, 20.0 + ordered @ slopes], axis=2)
+    found, on = sample_triangles(values, np.array([100.0, 700.0]))
+    assert np.bincount(on).tolist() == [100, 700]
+    np.testing.assert_allclose(found[:, 3:], 20.0 + found[:, :3] @ slopes, atol=1e-9)
+    a, b, c = ordered[on].transpose(1, 0, 2)
+    parts = np.stack(
+        [
+            areas_of(np.stack(each, axis=1))
+            for each in ((found[:, :3], b, c), (a, found[:, :3], c), (a, b, found[:, :3]))
+        ]
+    )
+    np.testing.assert_allclose(parts.sum(axis=0), areas_of(ordered)[on], rtol=1e-9)
 
 
-def test_a_room_hides_nothing_that_stands_in_it():
-    corners = np.concatenate([box((0, 0, 0), (5, 5, 3)).triangles, box((1, 1, 0.2), (2, 2, 1)).triangles])
-    points, on = sampled(corners, 0.05)
-    assert not find_hidden(find_parts(corners), points, on).any()
-
-
-@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0)])
-def test_normals_point_out_of_solids_however_their_faces_are_wound(order):
-    solid = box((0, 0, 0), (1, 2, 0.04))
-    corners = np.array(solid.triangles)[:, order]
-    normals, is_outward = outward_normals(corners, find_parts(corners))
-    assert is_outward.all()
-    assert np.allclose(normals, solid.face_normals)
-    open_normals, is_known = outward_normals(corners[1:], find_parts(corners[1:]))
-    assert not is_known.any()
-    assert np.allclose(np.abs(open_normals), np.abs(solid.face_normals[1:]))
+def test_of_small_triangles_in_a_row_each_has_its_share_and_all_together_one_at_least():
+    row = np.repeat(PLATE[:1], 400, axis=0) + np.arange(400)[:, None, None]
+    points, on = sample_triangles(row, np.full(400, 0.25))
+    assert len(points) == 100
+    assert np.bincount(on // 4, minlength=100).tolist() == [1] * 100
+    assert len(sample_triangles(row[:1], np.array([0.01]))[0]) == 1
