@@ -70,6 +70,12 @@ def test_the_largest_faces_are_thinned_first():
     assert points_per_triangle(areas[:2], 0.02, 5000).tolist() == pytest.approx([2500.0, 2500.0])
 
 
+def test_what_is_too_much_is_taken_from_the_largest_alone_where_that_is_enough():
+    wanted = np.array([900_000.0, 1.0, 300_000.0, 200_000.0])
+    assert points_per_triangle(wanted, 1.0, 900_000).tolist() == pytest.approx([399_999.0, 1.0, 300_000.0, 200_000.0])
+    assert points_per_triangle(wanted, 1.0, 700_001).tolist() == pytest.approx([250_000.0, 1.0, 250_000.0, 200_000.0])
+
+
 def test_what_comes_twice_is_found_whichever_way_it_is_wound():
     both = np.concatenate([PLATE, PLATE[:, ::-1], PLATE[:1, [1, 2, 0]]])
     ordered = np.take_along_axis(both, in_fixed_order(both)[:, :, None], axis=1)
@@ -217,3 +223,11 @@ def test_of_small_triangles_in_a_row_each_has_its_share_and_all_together_one_at_
     assert len(points) == 100
     assert np.bincount(on // 4, minlength=100).tolist() == [1] * 100
     assert len(sample_triangles(row[:1], np.array([0.01]))[0]) == 1
+
+
+def test_the_point_of_a_triangle_lies_anywhere_in_it():
+    corners = np.repeat(np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]], dtype=np.float64), 6000, axis=0)
+    x, y = sample_triangles(corners, np.ones(6000))[0][:, :2].T
+    # Means of a coordinate, of its square and of a product over the triangle, to three sigma of 6000 points.
+    assert [x.mean(), y.mean()] == pytest.approx([1 / 3, 1 / 3], abs=0.01)
+    assert [(x * x).mean(), (y * y).mean(), (x * y).mean()] == pytest.approx([1 / 6, 1 / 6, 1 / 12], abs=0.008)
