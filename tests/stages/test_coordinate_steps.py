@@ -1,5 +1,7 @@
 """On which step coordinates lie: decimals, units, float32, voxels; and on none where there is none."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -47,7 +49,25 @@ def test_decimals_of_a_metre(step_mm, shift):
 )
 def test_steps_of_other_units(unit, step):
     in_unit = np.round(POINTS / METRES_PER_UNIT[unit] / step) * step
-    np.testing.assert_allclose(steps_mm(in_unit, unit), 1000.0 * step * METRES_PER_UNIT[unit], rtol=1e-6)
+    found = find_steps(scan_of(in_unit, unit))
+    np.testing.assert_allclose(found.steps_m, step * METRES_PER_UNIT[unit], rtol=1e-6)
+    assert found.kinds == ("rounded",) * 3
+
+
+@pytest.mark.parametrize(
+    ("points", "stated_m", "expected_m", "kind"),
+    [
+        (POINTS, 0.001, 0.001, "rounded"),
+        (POINTS, 1e-5, 0.0, ""),
+        (POINTS.round(2), 0.001, 0.01, "rounded"),
+        (POINTS.round(4), 0.002, 0.002, "rounded"),
+    ],
+    ids=["full precision", "finer than counts", "coarser numbers", "finer numbers"],
+)
+def test_what_a_file_states_of_its_numbers_counts_at_least(points, stated_m, expected_m, kind):
+    found = find_steps(dataclasses.replace(scan_of(points), stated_steps_m=np.full(3, stated_m)))
+    np.testing.assert_allclose(found.steps_m, expected_m, rtol=1e-6)
+    assert found.kinds == (kind,) * 3
 
 
 def test_an_integer_format_of_any_scale():
