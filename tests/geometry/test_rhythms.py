@@ -28,17 +28,23 @@ def falling(profile):
 
 
 @pytest.mark.parametrize(
-    ("going", "rise"), [(14, 9), (14, -9), (9, 14), (25, 3), (25, -3), (3, 25), (3, -25), (25, 25), (14.3, 8.6)]
+    ("going", "rise"), [(14, 9), (14, -9), (9, 14), (25, 3), (25, -3), (3, 25), (3, -25), (25, 25)]
 )
 def test_faces_come_again_after_a_going_and_a_rise_whichever_way_they_climb(going, rise):
     level, upright = stair(going, abs(rise), 9, (20, 30), (300, 300))
     if rise < 0:
         level, upright = falling(level), falling(upright)
     found = find_periods(level, upright, RISES_M)
-    # A part of a bin is known from the steps farther on.
     assert found[0] == pytest.approx((going, rise), abs=0.1)
     rounded = {tuple(np.rint(period)) for period in found}
     assert len(rounded) == len(found)
+
+
+@pytest.mark.parametrize(("going", "rise"), [(14.3, 8.6), (13.71, 9.23)])
+def test_a_part_of_a_bin_is_known_from_the_steps_farther_on(going, rise):
+    found = find_periods(*stair(going, rise, 20, (10, 20), (310, 220)), RISES_M)
+    # A bin over sixteen steps.
+    assert found[0] == pytest.approx((going, rise), abs=1.0 / 16.0 / 2.0)
 
 
 def test_steps_on_which_nobody_climbs_are_no_period():

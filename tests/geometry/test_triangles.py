@@ -131,6 +131,26 @@ def test_a_quadrangle_with_a_corner_inwards_is_no_fan(shift, place):
     assert areas_of(corners[found.triangles]).sum() == pytest.approx(3.0 * np.hypot(1.0, 0.25), rel=1e-6)
 
 
+@pytest.mark.parametrize("k", [5, 7, 12])
+def test_polygons_with_any_corners_inwards_keep_their_areas_wherever_they_lie(k):
+    rng = np.random.default_rng(k)
+    turn = rotation("x", 40.0) @ rotation("z", 25.0)
+    n_turned_in = 0
+    for _ in range(90):
+        # Corners around a middle, in any distance from it.
+        angles = 2.0 * np.pi * (np.arange(k) + rng.uniform(0.0, 0.8, k)) / k
+        x, y = rng.uniform(0.1, 1.0, k) * [np.cos(angles), np.sin(angles)] + [[3.0], [-5.0]]
+        to_next = np.roll([x, y], -1, axis=1) - [x, y]
+        turns = np.roll(to_next[0], 1) * to_next[1] - np.roll(to_next[1], 1) * to_next[0]
+        n_turned_in += np.count_nonzero(turns < 0.0)
+        area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
+        corners = np.column_stack([x, y, np.full(k, 2.0)]) @ turn.T
+        found = triangulate(corners, np.arange(k), np.array([k]))
+        assert (len(found.triangles), found.n_left_out) == (k - 2, 0)
+        assert areas_of(corners[found.triangles]).sum() == pytest.approx(area)
+    assert n_turned_in > 30
+
+
 def test_a_hole_that_a_bridge_joins_to_the_rim_stays_a_hole():
     rim = [[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]]
     hole = [[1, 1, 0], [1, 2, 0], [3, 2, 0], [3, 1, 0]]
