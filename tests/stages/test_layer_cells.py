@@ -86,6 +86,7 @@ def test_what_is_double_on_few_cells_is_a_hint_and_no_more():
     # A sheet of 6 by 1.5 m, a tenth of it twice.
     whole = sheet(0.0, 80_000, 1, high=(6.0, 1.5))
     points = np.concatenate([whole, sheet(0.008, 8_000, 2, high=(0.6, 1.5))])
+    assert find_ways(whole, EXACT) == ()
     assert find_doubled(points, EXACT) == ()
     (hint,) = find_ways(points, EXACT)
     assert not hint.is_sure

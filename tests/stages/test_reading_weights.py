@@ -121,9 +121,17 @@ def test_walls_are_seen_through_the_air_above_a_stair():
     assert bare < aside < above - 1.0
     assert bare < ahead < above - 1.0
     # What is no taller than a riser faces as walls do where a stair turns.
-    pieces = [part for low in np.arange(top + 0.35, top + 1.5, 0.6) for part in walls(low, low + 0.3)]
-    in_turn = [part for k, part in enumerate(pieces) if k % 4 in (0, 3)]
-    assert lead_of(stair() + in_turn) < above - 1.0
+    stretches = enumerate(((0.0, 0.48), (0.62, 1.08), (1.22, 1.66)))
+    pieces = [part for k, along in stretches for part in walls(top + 0.35 + 0.4 * k, top + 0.65 + 0.4 * k, along=along)]
+    assert lead_of(stair() + pieces) < bare + 2.0
+
+
+def test_walls_turn_a_levelled_scan_over_by_less_than_one_of_which_nothing_is_known():
+    below = walls(-1.5, 0.0)
+    levelled, aslant = (
+        lead_of(stair(), turn=turn) - lead_of(stair() + below, turn=turn) for turn in (np.eye(3), ASLANT)
+    )
+    assert 0.0 < levelled < aslant - 1.0
 
 
 def test_treads_reach_past_their_risers_ahead_of_them_and_not_behind():
@@ -131,6 +139,10 @@ def test_treads_reach_past_their_risers_ahead_of_them_and_not_behind():
     forward, back = lead_of(stair(forward_m=0.05)), lead_of(stair(back_m=0.05))
     assert forward > bare + 1.0
     assert forward - bare == pytest.approx(bare - back, abs=0.5)
+    # Past the risers as they stand, which may be a little off the rhythm.
+    reaching = stair(forward_m=0.03)
+    shifted = [(points + 0.02 * X, normals) for points, normals in reaching]
+    assert lead_of(shifted) == pytest.approx(lead_of(reaching), abs=0.5)
 
 
 def test_the_floor_is_larger_than_the_landing():
@@ -140,6 +152,19 @@ def test_the_floor_is_larger_than_the_landing():
     assert lead_of([*stair(), floor]) > bare + 0.3
     assert lead_of([*stair(), landing]) < bare - 0.3
     assert lead_of([*stair(), floor, landing]) == pytest.approx(bare, abs=0.1)
+
+
+def test_treads_of_a_flight_that_goes_on_below_tell_no_side():
+    bare = lead_of(stair())
+
+    def treads(shift_m):
+        heights = -RISE * np.arange(2, 5) - shift_m
+        return [face((-1.2, 0.0, height), (-0.3, WIDTH, height), Z) for height in heights]
+
+    on, off = treads(0.0), treads(RISE / 2.0)
+    assert lead_of(stair() + on) == pytest.approx(bare, abs=0.05)
+    assert lead_of(stair() + off) < bare - 0.3
+    assert lead_of(stair() + on + off) < bare - 0.3
 
 
 def test_level_surfaces_beyond_a_stair_speak_for_the_readings_in_which_they_are_level():
@@ -159,6 +184,9 @@ MIDDLE = np.array([N * GOING, WIDTH, (N + 1) * RISE]) / 2.0
 def test_a_camera_stands_before_the_risers_and_above_the_treads(out):
     upright, *others = weights_of(stair(), place=MIDDLE + out, is_camera=True)
     assert upright > max(others) + 2.0
+    # A ceiling over the camera is no tread that is seen from below.
+    ceiling = face((-2.5, -0.5, 3.2), (0.5, 1.5, 3.2), Z)
+    assert lead_of([*stair(), ceiling], place=MIDDLE + out, is_camera=True) > upright - others[0] - 0.5
     # From below and behind the same faces are the stair upside down.
     other, upside_down, *others = weights_of(stair(), place=MIDDLE - out, is_camera=True)
     assert upside_down > max(other, *others) + 2.0
