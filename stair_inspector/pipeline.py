@@ -86,12 +86,12 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     if not is_hopeless:
         patches, chains = memo.run("flights", find_flights, heights, horizontal, patches, limits, least_m2, forced)
     edges_by, step_m = params.survey.of_edges, float(examined.steps_m.max()) if is_sparse else None
-    shapes = memo.run("nosings", find_shapes, heights, horizontal, patches, chains, edges_by, spread.is_stepped, step_m)
-    lines, doubts, shown = params.survey, params.uncertainty, params.display
-    survey = memo.run(
-        "survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, lines, doubts, shown, examined
-    )
-    survey = take_out_impossible(note_what_goes_on(heights, chains, shapes, survey, scan), limits, shapes, examined)
+    scanned = edges_by, spread.is_stepped, step_m, examined.sight
+    shapes = memo.run("nosings", find_shapes, heights, horizontal, patches, chains, *scanned)
+    said = params.survey, params.uncertainty, params.display
+    survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, *said, examined)
+    noted = note_what_goes_on(heights, chains, shapes, survey, scan, examined.sight)
+    survey = take_out_impossible(noted, limits, shapes, examined)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, spent)
     if not concluded.steps and not is_hopeless:
         tried = memo.run("suggested", try_suggested, heights, is_sparse, params, forced)

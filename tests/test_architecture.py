@@ -276,12 +276,21 @@ def test_the_reader_of_imports_sees_every_kind_of_import():
 
 STAGES = (
     ("coordinate_steps", "copies", "density", "layers", "reach", "thinned", "camera_frames", "readings"),
-    ("examine", "station_motion", "known_stations", "station_layers", "order_shifts", "looked_through", "stations"),
+    (
+        "examine",
+        "station_motion",
+        "known_stations",
+        "station_layers",
+        "order_shifts",
+        "looked_through",
+        "seen_through",
+        "stations",
+    ),
     ("up_questions", "floor_planes", "orient", "levels", "sparse", "treads", "paper"),
     ("region", "dither", "plan_cells", "patches", "bar_peaks", "bars", "rejects"),
     ("links", "pace", "gaps", "missing_feet", "runs", "run_ends", "flights"),
     ("planes", "arcs", "climbs", "foot", "runners", "thick_runners", "split_flights", "undersides", "pieces", "plumb"),
-    ("hidden", "pooled", "near_points", "edge_finder", "nosing_heights", "step_shapes", "nosings"),
+    ("hidden", "pooled", "near_points", "edge_finder", "nosing_heights", "step_shapes", "seen_ends", "nosings"),
     ("doubt", "parts", "flight_values", "step_values", "unobserved", "survey", "beyond", "blurred", "impossible"),
     ("hopeless", "causes", "units", "verdict", "suggest", "retry", "withhold"),
 )

@@ -7,6 +7,7 @@ import numpy as np
 
 from stair_inspector.errors import DegenerateGeometry
 from stair_inspector.geometry.arrays import Bools, Colors, Floats, Ints, Labels, freeze, own
+from stair_inspector.geometry.sight import Sight
 from stair_inspector.model.notes import Note, Observation
 
 _FARTHEST_M = 10_000.0
@@ -172,7 +173,8 @@ class Examination:
     the points fill a lattice of these steps, one in each cell; ``is_view`` that the scan was taken from its origin in
     one direction, as a camera's frame is; ``hints_m`` (h, 3) are such shifts of which surfaces
     alone tell too little; ``moved`` says which points were laid onto the others; ``facet_m`` is the scan's;
-    ``is_by_order`` says that no two layers show, but that means change in the order of the points.
+    ``is_by_order`` says that no two layers show, but that means change in the order of the points; ``sight`` is what
+    stations saw, scan axes, None where they are not known.
     """
 
     observations: tuple[Observation, ...]
@@ -184,3 +186,4 @@ class Examination:
     moved: Moved | None = None
     facet_m: float | None = None
     is_by_order: bool = False
+    sight: Sight | None = None

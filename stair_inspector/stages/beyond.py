@@ -10,8 +10,10 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.plan import angle_deg, in_frame, place_in_frame
+from stair_inspector.geometry.sight import Looks, Sight
 from stair_inspector.model import Arc, Chains, Flight, HeightOrder, Note, Scan, StepShape
 from stair_inspector.stages.climbs import find_climbs
+from stair_inspector.stages.seen_ends import look_past, shadow_past
 from stair_inspector.stages.survey import Survey
 
 _MOST_ROWS = 60
@@ -68,6 +70,11 @@ class _Rhythm:
         rotation = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
         return self.arc.centre_m + rotation @ (self.start - self.arc.centre_m), rotation @ self.climb
 
+    def look_past(self, way: _Way, sight: Sight | None) -> Looks | None:
+        """Return what stations make of the places that the next step would hide, None where no station is known."""
+        size = self.height_m, self.rise_m, self.going_m, self.half_width_m
+        return None if sight is None else look_past(self.frame_at, size, way == "above", sight)
+
 
 @dataclass(frozen=True, slots=True)
 class _Row:
@@ -83,6 +90,7 @@ def note_what_goes_on(
     shapes: tuple[tuple[StepShape, ...], ...],
     survey: Survey,
     scan: Scan,
+    sight: Sight | None = None,
 ) -> Survey:
     """Say of every flight what is seen of it beyond its measured steps.
 
@@ -92,6 +100,8 @@ def note_what_goes_on(
         All points, with their normals' alignment.
     chains, shapes, survey, scan
         Of the same scan.
+    sight : Sight, optional
+        What stations looked through, scan axes; None where they are not known.
 
     Returns
     -------
@@ -99,14 +109,17 @@ def note_what_goes_on(
         ``Flight.goes_on`` and a note where at least two more rows of risers or treads follow at the flight's rise and
         going. A flight that ends at a landing has ended; a wall has no rows. Where a flight ends with a tread and
         nothing at all was scanned behind it, a note says that the scan ends there; where something was, but neither
-        floor nor landing, that the flight may go on.
+        floor nor landing, that the flight may go on. Where a station looked through the place of the next step, the
+        flight ends, and nothing is said.
     """
     flights: list[Flight] = []
     notes: list[Note] = []
+    sight = None if sight is None else sight.in_frame(heights.level_from_scan)
     for chain, own, flight in zip(chains.chains, shapes, survey.flights, strict=True):
         kinds = [step.kind for step in survey.steps if step.step_id in flight.step_ids]
         found: list[str] = []
         is_above, is_below, has_riser = kinds[-1] == "tread", chain.base is None, False
+        shadow_above, shadow_below = "", ""
         if flight.rise is not None and flight.going is not None and flight.going.n >= _FEWEST_GOINGS:
             climbs = find_climbs(chain, own)
             size = flight.rise.mean, flight.going.mean
@@ -116,10 +129,13 @@ def note_what_goes_on(
                 above = _sentence(_rows(heights, rhythm, others, "above"), "above")
                 row, _ = _row(heights, rhythm, rhythm.going_m, 1, "above")
                 is_above, has_riser, found = not above, row is not None and row.has_face, found + above
+                beyond = rhythm.look_past("above", sight) if is_above else None
+                is_above = is_above and not (beyond is not None and beyond.is_free)
+                shadow_above = shadow_past(beyond, sight)
                 if is_above and _is_nothing_behind(heights, rhythm):
                     lower_m = _level_behind(heights, own[-1])
                     if lower_m is None:
-                        notes.append(_scan_ends(flight, heights, is_part=scan.part is not None))
+                        notes.append(_scan_ends(flight, heights, shadow_above, is_part=scan.part is not None))
                         is_above = False
                     # At the step's own height it is more of the step, which tells neither way.
                     elif abs(lower_m) >= max(priors.RUNNER_THICKNESS_M[0], own[-1].plane.sigma_m):
@@ -129,8 +145,12 @@ def note_what_goes_on(
                 rhythm = _rhythm_of(own[0], climbs[0], size)
                 below = _sentence(_rows(heights, rhythm, others, "below"), "below")
                 is_below, found = not below, found + below
+                beyond = rhythm.look_past("below", sight) if is_below else None
+                is_below = is_below and not (beyond is not None and beyond.is_free)
+                shadow_below = shadow_past(beyond, sight)
         is_told = any(note.code in _OF_THE_FOOT for note in survey.notes)
-        notes += _unseen_ends(flight, is_above, has_riser, is_below and not is_told)
+        shadows = shadow_above, shadow_below
+        notes += _unseen_ends(flight, is_above, has_riser, is_below and not is_told, shadows)
         if not found:
             flights.append(flight)
             continue
@@ -141,7 +161,7 @@ def note_what_goes_on(
     return replace(survey, flights=tuple(flights), notes=(*survey.notes, *notes)) if notes else survey
 
 
-def _scan_ends(flight: Flight, heights: HeightOrder, *, is_part: bool) -> Note:
+def _scan_ends(flight: Flight, heights: HeightOrder, shadow: str, *, is_part: bool) -> Note:
     last = flight.step_ids[-1]
     cut, nothing = "the scan's end", f"nothing was scanned behind step {last}"
     # Outside a region or a box there may be more of it.
@@ -151,7 +171,7 @@ def _scan_ends(flight: Flight, heights: HeightOrder, *, is_part: bool) -> Note:
         cut, nothing = "the box of the file that was read", f"the box holds nothing behind step {last}"
     message = (
         f"flight {flight.flight_id} is cut by {cut}: {nothing}, which is no landing; whether more risers follow is not "
-        "known"
+        f"known{shadow}"
     )
     return Note("scan_ends", "survey", message, last)
 
@@ -191,15 +211,17 @@ def _goes_on_level(flight: Flight, lower_m: float) -> Note:
     return Note("two_levels", "survey", message, last)
 
 
-def _unseen_ends(flight: Flight, is_above: bool, has_riser: bool, is_below: bool) -> list[Note]:
+def _unseen_ends(
+    flight: Flight, is_above: bool, has_riser: bool, is_below: bool, shadows: tuple[str, str]
+) -> list[Note]:
     """Say which ends of a flight the scan does not show: it may go on there."""
     first, last = flight.step_ids[0], flight.step_ids[-1]
     ends = []
     if is_above:
         behind = ", behind which a riser's face is seen" if has_riser else ""
-        ends.append(f"its upper end was not seen: there may be more risers above step {last}{behind}")
+        ends.append(f"its upper end was not seen: there may be more risers above step {last}{behind}{shadows[0]}")
     if is_below:
-        ends.append(f"its lower end was not seen: there may be more risers below step {first}")
+        ends.append(f"its lower end was not seen: there may be more risers below step {first}{shadows[1]}")
     return [Note("end_unseen", "survey", f"flight {flight.flight_id} may go on: {'; '.join(ends)}")] if ends else []
 
 

@@ -86,7 +86,7 @@ def _find(points: Floats, stations: ScanStations) -> _Through | None:
     known: Ints = np.array(
         [k for k in np.argsort(-counts, kind="stable")[:_MOST_STATIONS] if is_there[k]], dtype=np.intp
     )
-    if len(known) < 2 or _is_path(stations.places_m[known]):
+    if len(known) < 2 or is_path(stations.places_m[known]):
         return None
     rows = {int(k): np.flatnonzero(stations.of_point == k) for k in known}
     best: _Through | None = None
@@ -104,7 +104,7 @@ def _find(points: Floats, stations: ScanStations) -> _Through | None:
     return best
 
 
-def _is_path(places_m: Floats) -> bool:
+def is_path(places_m: Floats) -> bool:
     """Return whether most of the places (k, 3) stand near another."""
     between_m = np.linalg.norm(places_m[:, None] - places_m[None], axis=2)
     np.fill_diagonal(between_m, np.inf)

@@ -6,12 +6,14 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.plan import left_of
+from stair_inspector.geometry.sight import Sight
 from stair_inspector.model import Arc, Chain, Chains, HeightOrder, Horizontal, Patches, StepShape
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.arcs import climb_on_arc, find_arc, turning_climbs, with_arc_sides
 from stair_inspector.stages.climbs import flight_after, straight_climb
 from stair_inspector.stages.hidden import with_common_sides, with_doubtful_fronts, with_wedge_sides
 from stair_inspector.stages.pooled import pool_steps
+from stair_inspector.stages.seen_ends import with_seen_fronts, with_seen_sides
 from stair_inspector.stages.sparse import SPARSE_M
 from stair_inspector.stages.step_shapes import Scanned, find_shape
 
@@ -24,6 +26,7 @@ def find_shapes(
     params: SurveyParams,
     is_stepped: bool = False,
     sparse_step_m: float | None = None,
+    sight: Sight | None = None,
 ) -> tuple[tuple[StepShape, ...], ...]:
     """Find the plane and the edges of every step.
 
@@ -40,13 +43,16 @@ def find_shapes(
     sparse_step_m : float, optional
         In a sparse scan, where the treads of a flight must help each other: the step on which its coordinates lie, 0
         for none. None where the scan is dense.
+    sight : Sight, optional
+        What stations looked through, scan axes; None where they are not known.
 
     Returns
     -------
     tuple of tuple of StepShape
         For each chain its steps from bottom to top; level frame.
     """
-    scanned = Scanned(heights, horizontal, patches, params, is_stepped)
+    sight = None if sight is None else sight.in_frame(heights.level_from_scan)
+    scanned = Scanned(heights, horizontal, patches, params, is_stepped, sight)
     shapes: dict[int, tuple[StepShape, ...]] = {}
     # From the top, because the back of a landing is looked for near the flight that begins there.
     for number in range(len(chains.chains) - 1, -1, -1):
@@ -78,7 +84,10 @@ def _shapes_of(
             return tuple(with_arc_sides(curved, arc))
     if span is not None and sparse_step_m is not None:
         found = pool_steps(scanned.heights, found, sparse_step_m)
-    return tuple(with_wedge_sides(found, chain) if common is None else with_common_sides(found, common))
+    if common is None:
+        return tuple(with_wedge_sides(found, chain))
+    checked = with_common_sides(found, common)
+    return tuple(checked if scanned.sight is None else with_seen_sides(found, checked, common, scanned.sight))
 
 
 def _shapes_along(
@@ -98,7 +107,9 @@ def _shapes_along(
         above = find_shape(scanned, chain, k, climbs[k], None if is_last_below_gap else above, is_straight, span, arc)
         shapes.append(above)
     is_one_way = is_straight and arc is None
-    return with_doubtful_fronts(shapes[::-1], chain, climbs[0] if is_one_way else None)
+    found = shapes[::-1]
+    doubted = with_doubtful_fronts(found, chain, climbs[0] if is_one_way else None)
+    return doubted if scanned.sight is None else with_seen_fronts(found, doubted, scanned.sight)
 
 
 def _common_span(patches: Patches, chain: Chain, climb: Floats) -> tuple[float, float] | None:

@@ -17,6 +17,7 @@ from stair_inspector.stages.known_stations import MOST_APART_M, LaidStations, la
 from stair_inspector.stages.layers import LEAST_STEPS, Cells, find_ways, sight_of
 from stair_inspector.stages.looked_through import say_looked_through
 from stair_inspector.stages.order_shifts import LEAST_APART_M, find_order_shift, flat_ways
+from stair_inspector.stages.seen_through import with_sight
 from stair_inspector.stages.station_layers import FEWEST_LABELLED, is_along, tell_stations
 from stair_inspector.stages.station_motion import Motion, distance_apart, fit_motion
 
@@ -58,7 +59,7 @@ def join_stations(
     if scan.is_outward is not None or len(scan.points) < FEWEST_LABELLED:
         return scan, examined
     joined, examined = _join(scan, examined, is_left=stations == "as_read" or method == "paper")
-    return joined, say_looked_through(joined, examined)
+    return joined, with_sight(joined, say_looked_through(joined, examined))
 
 
 def _join(scan: Scan, examined: Examination, *, is_left: bool) -> tuple[Scan, Examination]:

@@ -9,6 +9,7 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Sampling, find_face_edge
 from stair_inspector.geometry.plan import left_of, place_in_frame
+from stair_inspector.geometry.sight import Sight
 from stair_inspector.geometry.slots import find_slots
 from stair_inspector.model import Arc, Chain, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
@@ -29,13 +30,17 @@ _LEAST_BAND_M = 0.002
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scanned:
-    """What the edges of a scan's steps are looked for in, and how; ``is_stepped`` where coordinates were rounded."""
+    """What the edges of a scan's steps are looked for in, and how; ``is_stepped`` where coordinates were rounded.
+
+    ``sight`` is what stations looked through, None where they are not known.
+    """
 
     heights: HeightOrder
     horizontal: Horizontal
     patches: Patches
     params: SurveyParams
     is_stepped: bool
+    sight: Sight | None = None
 
 
 def find_shape(

@@ -63,13 +63,15 @@ def measure_survey(
     params, doubts, display
         Measuring lines; what the user states about the scan; points kept around each centroid.
     examined : Examination, optional
-        The steps of the coordinates and doubled surfaces, which no scatter of points shows.
+        The steps of the coordinates and doubled surfaces, which no scatter of points shows; what stations
+        looked through, where they are known.
 
     Returns
     -------
     Survey
         Steps counted from 1 in the order of the flights, positions in local scan axes.
     """
+    sight = None if examined is None or examined.sight is None else examined.sight.in_frame(horizontal.level_from_scan)
     context = Common.of(up, doubts, horizontal.level_from_scan, examined)
     bases = frozenset(chain.base for chain in chains.chains)
     steps: list[Step] = []
@@ -119,5 +121,5 @@ def measure_survey(
                 "the middle of what was seen of them; codes measure on a walking line and cannot be judged on it"
             )
             notes.append(Note("winding", "survey", message))
-        notes += notes_of_unobserved(chain, own_shapes, own_steps)
+        notes += notes_of_unobserved(chain, own_shapes, own_steps, sight)
     return Survey(tuple(steps), tuple(flights), tuple(numbers), tuple(notes))

@@ -101,7 +101,9 @@ def test_stations_that_lie_over_each_other_stay():
     scan = known(scanned.points, is_second, places())
     examined = examine(scan)
     assert not examined.observations
-    assert join_stations(scan, examined, "auto") == (scan, examined)
+    same, now = join_stations(scan, examined, "auto")
+    assert same is scan
+    assert (now.observations, now.moved) == ((), None)
 
 
 def test_two_faces_of_slabs_that_were_seen_from_opposite_sides_are_no_surface_twice():
