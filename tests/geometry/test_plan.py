@@ -43,3 +43,6 @@ def test_places_have_one_key_exactly_where_they_lie_in_one_cell():
     keys = cell_keys(places, 0.25)
     assert np.array_equal(keys[:, None] == keys, is_same)
     assert is_same.sum() > 500
+    # Nor do cells of a wide plan share one.
+    far = np.stack(np.meshgrid(np.arange(-3.0, 3.0), np.arange(-5000.0, 5000.0)), axis=0).reshape(2, -1) + 0.5
+    assert len(np.unique(cell_keys(far, 1.0))) == len(np.unique(cell_keys(far[::-1], 1.0))) == far.shape[1]
