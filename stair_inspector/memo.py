@@ -1,9 +1,12 @@
 """What makes a slider re-run only the stages that it must."""
 
+import dataclasses
 import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any, ParamSpec, TypeVar, cast
+
+import numpy as np
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -13,6 +16,7 @@ class Memo:
     """One slot per stage: a stage whose inputs and settings are those of its last run is not run again.
 
     Inputs are compared by identity where they hold arrays (which have no ``==``) and by value where they are settings.
+    A stage that gives the same values as the last time gives the same object: what follows it need not run again.
     ``heavy(function, *inputs)`` runs what takes seconds, for example in another process; ``on_stage`` is told each
     stage's name. The type checker holds the inputs against the stage's own parameters: swapped ones are an error.
     """
@@ -52,6 +56,25 @@ class Memo:
             self._on_stage(stage)
         began = time.perf_counter()
         result = make()
+        if slot is not None and _is_same(slot[1], result):
+            result = slot[1]
         self.timings_s[stage] = self.timings_s.get(stage, 0.0) + time.perf_counter() - began
         self._slots[stage] = (inputs, result)
         return result
+
+
+def _is_same(one: object, other: object) -> bool:
+    """Return whether two results hold the same values, in arrays, tuples, dictionaries and dataclasses too."""
+    if one is other:
+        return True
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        return one.dtype == other.dtype and bool(np.array_equal(one, other))
+    if isinstance(one, tuple | list) and isinstance(other, tuple | list):
+        return len(one) == len(other) and all(map(_is_same, one, other))
+    if isinstance(one, dict) and isinstance(other, dict):
+        return list(one) == list(other) and all(map(_is_same, one.values(), other.values()))
+    if dataclasses.is_dataclass(one):
+        return all(_is_same(getattr(one, each.name), getattr(other, each.name)) for each in dataclasses.fields(one))
+    return bool(one == other)
