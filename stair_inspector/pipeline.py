@@ -7,6 +7,7 @@ from stair_inspector.model import NO_CHAINS, Inspection, Scan, Step
 from stair_inspector.params import FloorParams, Params
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient, paper, stations, treads
+from stair_inspector.stages.bar_peaks import find_peaks
 from stair_inspector.stages.bars import join_bars
 from stair_inspector.stages.beyond import note_what_goes_on
 from stair_inspector.stages.dither import spread_steps
@@ -80,7 +81,8 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     heights, horizontal, levels = spread.heights, spread.horizontal, spread.levels
     patches = memo.run("patches", split_levels, horizontal, levels, fitted.patches, fitted.levels)
     least_m2 = params.patches.min_area_m2
-    horizontal, patches = memo.run("bars", join_bars, heights, horizontal, patches, least_m2)
+    peaks = memo.run("peaks", find_peaks, heights, patches.cell_m)
+    horizontal, patches = memo.run("bars", join_bars, heights, peaks, horizontal, patches, least_m2)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
     limits, chains, is_hopeless = params.flights, NO_CHAINS, is_too_coarse(found.examination, params.flights)
     if not is_hopeless:

@@ -29,7 +29,7 @@ WITHIN = 5.0
 """Standard deviations that a value may be off: by chance once in two million values."""
 NOISY = Stair(noise=NOISE, seed=21)
 FROM_HORIZONTAL = ["horizontal", "reach", "levels", "surfaces", "axes", "extents", "edges", "nearest", "paper"]
-SURVEY = ["patches", "bars", "overrules", "flights", "nosings", "survey"]
+SURVEY = ["patches", "peaks", "bars", "overrules", "flights", "nosings", "survey"]
 SPREAD = ["dither", *SURVEY]
 BY_PAPER = ["examination", "stations", "normals", "up", "heights", *FROM_HORIZONTAL, "profile"]
 # The order by height comes after the comparison of floor and treads, which is made only where up is not given. Of a
@@ -554,14 +554,14 @@ def test_memo_gives_what_a_plain_run_gives_through_a_drag_over_all_sliders(n_mov
         ("display.nearest_k", ["nearest", "paper", "survey"]),
         ("patches.cell_m", SURVEY),
         ("patches.min_area_m2", SURVEY),
-        ("overrules.force", SURVEY[2:]),
-        ("overrules.climb", SURVEY[2:]),
-        ("flights.max_gap_m", SURVEY[3:]),
-        ("flights.min_risers", SURVEY[3:]),
-        ("survey.line_percent", SURVEY[5:]),
-        ("survey.edge_source", SURVEY[4:]),
-        ("uncertainty.edge_m", SURVEY[5:]),
-        ("uncertainty.registration_m", SURVEY[5:]),
+        ("overrules.force", SURVEY[3:]),
+        ("overrules.climb", SURVEY[3:]),
+        ("flights.max_gap_m", SURVEY[4:]),
+        ("flights.min_risers", SURVEY[4:]),
+        ("survey.line_percent", SURVEY[6:]),
+        ("survey.edge_source", SURVEY[5:]),
+        ("uncertainty.edge_m", SURVEY[6:]),
+        ("uncertainty.registration_m", SURVEY[6:]),
         # A sound scan stays the same object.
         ("stations", ["stations"]),
         ("unit", []),

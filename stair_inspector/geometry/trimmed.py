@@ -3,6 +3,7 @@
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.percentiles import median_of_sorted
 
 _TRIM_SIGMA = 3.0
 _TRIM_ROUNDS = 3
@@ -71,10 +72,10 @@ def densest(values: Floats, wanted: int) -> float:
     """Return the middle of the shortest interval that holds the wanted number of values."""
     ordered = np.sort(values)
     if wanted >= len(ordered):
-        return float(np.median(ordered))
+        return median_of_sorted(ordered)
     spans = ordered[wanted - 1 :] - ordered[: len(ordered) - wanted + 1]
     start = int(np.argmin(spans))
-    return float(np.median(ordered[start : start + wanted]))
+    return median_of_sorted(ordered[start : start + wanted])
 
 
 def _fit_height(rows: Floats) -> tuple[Floats, Floats]:

@@ -6,18 +6,16 @@ few just above and below it.
 """
 
 import dataclasses
-from dataclasses import dataclass
 
 import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 from stair_inspector.geometry.clusters import cluster_cells
-from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.geometry.percentiles import median
 from stair_inspector.geometry.plan import cell_keys, left_of
-from stair_inspector.geometry.trimmed import densest, fit_trimmed, height_above
 from stair_inspector.model import HeightOrder, Horizontal, Patches, Surface
-from stair_inspector.stages.bar_peaks import FEWEST_IN_PEAK, NOT_LEVEL, find_peaks, points_at_peaks
+from stair_inspector.stages.bar_peaks import FEWEST_IN_PEAK, LITTLE_NOT_LEVEL, NOT_LEVEL, Peaks, Top, has_sides_within
 from stair_inspector.stages.patches import surface_of_part
 from stair_inspector.stages.plan_cells import part_of_cells
 
@@ -29,27 +27,13 @@ _BESIDE = 0.5
 """Share of the shorter of two bars along which they must lie beside each other: end to end they are two treads'."""
 _WHOLE_SHARE = 0.6
 """A surface that covers most of the points at its height is not in pieces, whatever noise frays it."""
-_SIDE_NEAR_M, _SIDE_NEAR_SIGMAS, _SIDE_FAR_M, _SIDE_PARTS = 0.005, 4.0, 0.02, 3
-"""Between these depths below a surface, the first in its noise too, the sides of bars show, in each of some parts."""
-_SIDE_SHARE = 0.06
-"""So many points on them, as a share of those on the tops above, are no noise."""
 _SWALLOWED = 0.5
-_TRIM_SIGMA, _LEAST_SIGMA_M, _ROUNDS = 2.5, 0.0005, 3
 _SAME_HEIGHT_M = 0.012
-_MOST_PIECES, _MOST_TO_FIT, _ENOUGH_TO_FIT = 400, 4000, 1000
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Tops:
-    """The plane of the tops of bars: slope (2,), a point of it (3,) and the scatter about it, metres, level frame."""
-
-    slope: Floats
-    centre: Floats
-    sigma_m: float
+_MOST_PIECES = 400
 
 
 def join_bars(
-    heights: HeightOrder, horizontal: Horizontal, patches: Patches, least_area_m2: float
+    heights: HeightOrder, peaks: Peaks, horizontal: Horizontal, patches: Patches, least_area_m2: float
 ) -> tuple[Horizontal, Patches]:
     """Put the bars of every tread together, with those of their points whose normals are spoilt.
 
@@ -57,6 +41,8 @@ def join_bars(
     ----------
     heights : HeightOrder
         All points.
+    peaks : Peaks
+        Where many of them lie at one height.
     horizontal, patches
         The upright ones among them, and their surfaces.
     least_area_m2 : float
@@ -72,29 +58,26 @@ def join_bars(
     is_level = np.zeros(heights.n_scan, dtype=np.bool_)
     is_level[horizontal.point_ids] = True
     is_level = is_level[heights.point_ids]
-    peaks = find_peaks(heights.coordinates_m, is_level)
-    if peaks is None:
-        return horizontal, patches
     found = []
-    for rows, not_level in zip(points_at_peaks(heights.coordinates_m, peaks), peaks.not_level, strict=True):
-        if len(rows) >= FEWEST_IN_PEAK:
-            found += _treads_of(heights, rows, patches, least_area_m2, bool(not_level < NOT_LEVEL))
+    for top, not_level in zip(peaks.tops, peaks.not_level(is_level), strict=True):
+        if not_level >= LITTLE_NOT_LEVEL and len(top.rows) >= FEWEST_IN_PEAK:
+            found += _treads_of(heights, top, patches, least_area_m2, bool(not_level < NOT_LEVEL))
     return _with_treads(heights, horizontal, is_level, patches, found) if found else (horizontal, patches)
 
 
 def _treads_of(
-    heights: HeightOrder, rows: Ints, patches: Patches, least_area_m2: float, is_mostly_level: bool
+    heights: HeightOrder, top: Top, patches: Patches, least_area_m2: float, is_mostly_level: bool
 ) -> list[Ints]:
     """Return the points of each tread that the points of one height form and that no surface covers as a whole."""
     cell_m = patches.cell_m
-    points = heights.coordinates_m[:, rows]
-    is_covered = is_mostly_level or _is_covered(points[:2], float(np.median(points[2])), patches)
+    points = heights.coordinates_m[:, top.rows]
+    is_covered = is_mostly_level or _is_covered(points[:2], median(points[2]), patches)
     # Most of these are whole treads, which need to be known less well than what may be bars.
-    rows, plane = _on_plane(heights.coordinates_m, rows, _ENOUGH_TO_FIT if is_covered else _MOST_TO_FIT)
+    rows, plane = top.roughly if is_covered else top.well
     if len(rows) < FEWEST_IN_PEAK:
         return []
     # On the rim of a whole tread hang its own faces; what hangs far inside is seen through gaps.
-    if is_covered and not _has_sides_within(heights.coordinates_m, rows, plane, cell_m):
+    if is_covered and not top.has_sides:
         return []
     plan = heights.coordinates_m[:2, rows]
     low = plan.min(axis=1)
@@ -104,7 +87,7 @@ def _treads_of(
     cells = np.stack(np.divmod(keys, n_rows))
     counts = np.bincount(of)
     places = np.stack([np.zeros(cells.shape[1], dtype=np.int64), *cells])
-    wanted = int(max(3.0, 0.3 * float(np.median(counts))))
+    wanted = int(max(3.0, 0.3 * median(counts)))
     labels = cluster_cells(places, np.zeros(cells.shape[1]), counts, wanted)
     if labels.max(initial=-1) < 0 or labels.max() >= _MOST_PIECES:
         return []
@@ -114,66 +97,14 @@ def _treads_of(
         is_own = group_of == group
         places_m = (cells[:, is_own] + 0.5) * cell_m + low[:, None]
         mine = rows[is_own[of]]
-        height_m = float(np.median(heights.coordinates_m[2, mine]))
+        height_m = median(heights.coordinates_m[2, mine])
         is_large = np.count_nonzero(is_own) * cell_m**2 >= least_area_m2 and _sides(places_m)[1] >= 0.1
         if is_large and not (
             _is_covered(heights.coordinates_m[:2, mine], height_m, patches)
-            and not _has_sides_within(heights.coordinates_m, mine, plane, cell_m)
+            and not has_sides_within(heights.coordinates_m, mine, plane, cell_m)
         ):
             result.append(mine)
     return result
-
-
-def _has_sides_within(coordinates: Floats, rows: Ints, plane: _Tops, cell_m: float) -> bool:
-    """Return whether the sides of bars hang below a surface, given by its points and plane, away from its rim.
-
-    Sides go down evenly from the tops; the underside of a thin slab, which may be seen from below, lies at one depth.
-    """
-    points = coordinates[:, rows[:: -(-len(rows) // _MOST_TO_FIT)]]
-    near_m, far_m = max(_SIDE_NEAR_M, _SIDE_NEAR_SIGMAS * plane.sigma_m), _SIDE_FAR_M
-    if near_m >= far_m / 2.0:
-        return False
-    side_m = 2.0 * cell_m
-    low = points[:2].min(axis=1) - 2.0 * side_m
-    shape = tuple(int(size) + 3 for size in (points[:2].max(axis=1) - low) / side_m)
-    column, row = ((points[:2] - low[:, None]) / side_m).astype(np.int64)
-    is_on = np.zeros(shape, dtype=np.bool_)
-    is_on[column, row] = True
-    is_inside = is_on.copy()
-    for i, j in ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
-        is_inside[1:-1, 1:-1] &= is_on[1 + i : shape[0] - 1 + i, 1 + j : shape[1] - 1 + j]
-    start, stop = np.searchsorted(coordinates[2], (float(points[2].min()) - far_m, float(points[2].max()) + near_m))
-    near = coordinates[:, start:stop]
-    column, row = ((near[:2] - low[:, None]) / side_m).astype(np.int64)
-    is_in = (column > 0) & (column < shape[0] - 1) & (row > 0) & (row < shape[1] - 1)
-    near = near[:, is_in][:, is_inside[column[is_in], row[is_in]]]
-    off = height_above(near, plane.slope, plane.centre)
-    hanging, _ = np.histogram(-off, np.linspace(near_m, far_m, _SIDE_PARTS + 1))
-    n_on = int(np.count_nonzero(np.abs(off) <= near_m))
-    return bool(_SIDE_PARTS * int(hanging.min()) >= _SIDE_SHARE * max(n_on, 1))
-
-
-def _on_plane(coordinates: Floats, rows: Ints, most: int) -> tuple[Ints, _Tops]:
-    """Return those of some points that lie on the plane of the bars' tops, and that plane; their sides hang below it.
-
-    What is noise shows above the plane alone: the points below it within the same distance belong to it too.
-    """
-    # Thousands of points give the plane as well as tens of thousands.
-    points = coordinates[:, rows[:: -(-len(rows) // most)]]
-    slope, centre, sigma_m = fit_trimmed(points)
-    reach_m = 0.0
-    for _ in range(_ROUNDS):
-        off = height_above(points, slope, centre)
-        # Where a quarter of them lie within the least height.
-        top = densest(off, max(2, len(off) // 4))
-        above = off[off > top] - top
-        reach_m = _TRIM_SIGMA * max(MAD_TO_SIGMA * float(np.median(above)) if len(above) else 0.0, _LEAST_SIGMA_M)
-        kept = np.abs(off - top) <= reach_m
-        if np.count_nonzero(kept) < FEWEST_IN_PEAK:
-            break
-        slope, centre, sigma_m = fit_trimmed(points[:, kept])
-    is_top: Bools = np.abs(height_above(coordinates[:, rows], slope, centre)) <= reach_m
-    return rows[is_top], _Tops(slope, centre, sigma_m)
 
 
 def _join_pieces(places_m: Floats, labels: Ints, cell_m: float) -> Ints:
@@ -192,7 +123,7 @@ def _join_pieces(places_m: Floats, labels: Ints, cell_m: float) -> Ints:
     nearest = np.full(n, np.inf)
     for i, j, gap_m in pairs:
         nearest[[i, j]] = np.minimum(nearest[[i, j]], gap_m)
-    usual_m = float(np.median(nearest[np.isfinite(nearest)])) if pairs else 0.0
+    usual_m = median(nearest[np.isfinite(nearest)]) if pairs else 0.0
     group = np.arange(n)
     for i, j, gap_m in pairs:
         # Either end of a gap is known to a cell.
@@ -288,7 +219,7 @@ def _with_treads(
         rows = np.flatnonzero(tread_of == number)
         if len(rows) < FEWEST_IN_PEAK:
             continue
-        z = float(np.median(wider.coordinates_m[2, rows]))
+        z = median(wider.coordinates_m[2, rows])
         nearest = min(by_height, key=lambda surface: abs(surface.height_m - z)).level_id
         kept.append(surface_of_rows(wider, rows, levels.get(number, nearest), patches.cell_m, True))
     ordered = sorted(kept, key=lambda surface: (surface.level_id, surface.height_m))

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stair_inspector.geometry.percentiles import mad_sigma, percentile_of_sorted
+from stair_inspector.geometry.percentiles import mad_sigma, median, percentile_of_sorted, percentiles
 
 coordinates = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=200)
 
@@ -20,6 +20,17 @@ def test_equals_numpy_to_the_last_bit(values, percent):
 def test_equals_numpy_at_every_position_of_a_slider(values, percent):
     ordered = np.sort(np.array(values))
     assert percentile_of_sorted(ordered, percent) == float(np.percentile(ordered, percent))
+
+
+@given(coordinates, st.floats(0.0, 100.0))
+def test_medians_and_percentiles_of_values_in_any_order_are_numpys_to_the_last_bit(values, percent):
+    values = np.array(values)
+    assert median(values) == float(np.median(values))
+    assert percentiles(values, percent, 99.5) == list(np.percentile(values, [percent, 99.5]))
+
+
+def test_the_median_of_none_is_not_a_number():
+    assert np.isnan(median(np.zeros(0)))
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 20, 21, 101, 997, 100_003])

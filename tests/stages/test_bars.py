@@ -12,6 +12,7 @@ from stair_inspector.pipeline import inspect
 from stair_inspector.simulation.scanner import scan as scan_building
 from stair_inspector.stages import levels as find
 from stair_inspector.stages import orient
+from stair_inspector.stages.bar_peaks import find_peaks
 from stair_inspector.stages.bars import join_bars
 from stair_inspector.stages.patches import split_levels
 from tests.benchmarks import hostile_buildings as buildings
@@ -83,7 +84,8 @@ def joined(points):
     reach = find.find_height_reach(horizontal, PARAMS.levels.eps_m)
     levels = find.find_levels(horizontal, reach, PARAMS.levels)
     patches = split_levels(horizontal, levels, PARAMS.patches, PARAMS.levels)
-    return (horizontal, patches), join_bars(heights, horizontal, patches, PARAMS.patches.min_area_m2)
+    peaks = find_peaks(heights, patches.cell_m)
+    return (horizontal, patches), join_bars(heights, peaks, horizontal, patches, PARAMS.patches.min_area_m2)
 
 
 @pytest.mark.parametrize("noise", [0.0005, 0.002])
