@@ -10,7 +10,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, count_bins, fit_line_robust
-from stair_inspector.geometry.percentiles import percentile_of_sorted
+from stair_inspector.geometry.percentiles import median, percentile_of_sorted
 
 _PER_COLUMN = 5.0
 """Points that a column of a piece of the surface should hold, lest it be empty by chance."""
@@ -38,6 +38,8 @@ behind an edge holds in which they are looked for: farther in they lie otherwise
 _FEWEST_IN_ROWS, _MOST_IN_ROWS, _ROWS_SHARP, _ROWS_SURE, _ROW_FILLED = 36, 240, 0.45, 12.0, 1.0 / 3.0
 """Points that are needed, and enough, to find rows; how much of a single wave they follow at least, and so many of them
 that chance does not; the last row holds this share of a usual one's points."""
+_WAVE_STEP = 0.2
+"""From one distance of rows that is tried to the next, the waves in the strip grow by so much of one."""
 
 
 def find_extent_edge(
@@ -205,8 +207,11 @@ def _rows_along(beyond: Floats, sampling: Sampling) -> tuple[float, float] | Non
     some = strip[:: -(-len(strip) // _MOST_IN_ROWS)]
     low, high = _ROWS_APART
     shortest, longest = low * sampling.spacing_m, min(high * sampling.spacing_m, depth_m / _FEWEST_ROWS)
-    waves = np.arange(1.0 / longest, 1.0 / shortest, 0.2 / depth_m)
-    sums = np.exp(2j * math.pi * waves[:, None] * some).mean(axis=1)
+    waves = np.arange(1.0 / longest, 1.0 / shortest, _WAVE_STEP / depth_m)
+    # Each wave is the one before it, turned by as much again: two exponentials for each point instead of one a wave.
+    turns = np.tile(np.exp(2j * math.pi * _WAVE_STEP / depth_m * some), (len(waves), 1))
+    turns[0] = np.exp(2j * math.pi * waves[0] * some)
+    sums = np.multiply.accumulate(turns, axis=0).mean(axis=1)
     best = int(np.argmax(np.abs(sums)))
     sharpness = min(float(np.abs(sums[best])), 1.0)
     if sharpness < _ROWS_SHARP or len(some) * sharpness**2 < _ROWS_SURE:
@@ -215,7 +220,7 @@ def _rows_along(beyond: Floats, sampling: Sampling) -> tuple[float, float] | Non
     phase_m = float(np.angle(sums[best])) / (2.0 * math.pi) * apart_m
     row = np.round((strip - phase_m) / apart_m).astype(np.int64)
     numbers, counts = np.unique(row, return_counts=True)
-    last = int(numbers[counts >= _ROW_FILLED * np.median(counts)].max())
+    last = int(numbers[counts >= _ROW_FILLED * median(counts)].max())
     # Of rows farther in, the distance and the slant are others.
     outer, inner = strip[row == last], strip[row == last - 1]
     if min(len(outer), len(inner)) < 2:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.percentiles import mad_sigma
+from stair_inspector.geometry.percentiles import mad_sigma, median, percentiles
 
 _SLOT_M, _SLOT_SPACINGS = 0.03, 3.0
 """A slot is wider than both, the second in distances of neighbouring points."""
@@ -57,16 +57,16 @@ def find_slots(across: Floats, spacing_m: float, is_barred: bool = False) -> Sid
     """
     if len(across) < _FEWEST_POINTS:
         return Sides(float(across.min()), float(across.max()))
-    low, high = (float(value) for value in np.percentile(across, [0.5, 99.5]))
+    low, high = percentiles(across, 0.5, 99.5)
     counts = np.bincount(((across[(across >= low) & (across <= high)] - low) / _STRIP_M).astype(np.int64))
-    filled = np.flatnonzero(counts > _EMPTY * np.median(counts[counts > 0]))
+    filled = np.flatnonzero(counts > _EMPTY * median(counts[counts > 0]))
     ends = low + _STRIP_M * np.stack([filled[:-1] + 1.0, filled[1:]])
     gaps_m = ends[1] - ends[0]
     least_m = _least_slot_m(spacing_m)
     is_gap = gaps_m > _LEAST_GAP_M
     if is_barred:
         between_m = gaps_m[is_gap]
-        usual_m = float(np.median(between_m)) if len(between_m) >= _FEWEST_GAPS else 0.0
+        usual_m = median(between_m) if len(between_m) >= _FEWEST_GAPS else 0.0
         least_m = max(least_m, _BARS_SLOT * usual_m + _BARS_SLOT_M)
     slots, gaps = (
         tuple((float(start), float(stop)) for start, stop in ends[:, chosen].T)
@@ -98,7 +98,7 @@ def with_common_slots(sides: Sequence[Sides], known: Sequence[tuple[float, float
     middles, widths, owners = (np.array(column) for column in zip(*every, strict=True))
     place = np.concatenate([[0], np.cumsum(np.diff(middles) > _SAME_PLACE_M)])
     common = [
-        (float(np.median(middles[place == k])), float(np.median(widths[place == k])))
+        (median(middles[place == k]), median(widths[place == k]))
         for k in range(int(place[-1]) + 1)
         if len(set(owners[place == k])) >= _ON_MOST * len(sides)
     ]

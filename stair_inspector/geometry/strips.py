@@ -1,11 +1,13 @@
 """Does a strip lie on a surface, from its front to its back? A step up and a step down, seen along the surface."""
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
 
 from stair_inspector import priors
-from stair_inspector.geometry.arrays import Bools, Floats, Ints
+from stair_inspector.geometry.arrays import Floats, Ints, freeze
+from stair_inspector.geometry.percentiles import median, percentiles
 
 _COLUMN_M, _MOST_COLUMNS, _FEWEST_COLUMNS = 0.015, 80, 12
 _FEWEST_IN_COLUMN = 5
@@ -46,7 +48,7 @@ def find_strip(along: Floats, across: Floats, height: Floats) -> Strip | None:
     step; the columns' heights are then those of a line with a step up and a step down, by least squares over all pairs
     of columns at which the two may be.
     """
-    low, high = (float(value) for value in np.percentile(across, [0.5, 99.5])) if len(across) else (0.0, 0.0)
+    low, high = percentiles(across, 0.5, 99.5) if len(across) else (0.0, 0.0)
     n = min(_MOST_COLUMNS, int((high - low) / _COLUMN_M))
     if n < _FEWEST_COLUMNS:
         return None
@@ -59,8 +61,9 @@ def find_strip(along: Floats, across: Floats, height: Floats) -> Strip | None:
         return None
     flat = _levelled(column, along, height, counts)
     places = low + (np.flatnonzero(is_full) + 0.5) * (high - low) / n
+    ends = np.cumsum(counts)
     heights = np.array(
-        [np.median(part) for part in np.split(flat, np.cumsum(counts)[:-1]) if len(part) >= _FEWEST_IN_COLUMN]
+        [median(flat[end - n_own : end]) for end, n_own in zip(ends, counts, strict=True) if n_own >= _FEWEST_IN_COLUMN]
     )
     start, stop, thick_m, misfit_m = _best_step(places, heights)
     if not priors.RUNNER_THICKNESS_M[0] <= thick_m <= priors.RUNNER_THICKNESS_M[1] or misfit_m > _MISFIT * thick_m:
@@ -88,19 +91,28 @@ def _levelled(column: Ints, along: Floats, height: Floats, counts: Ints) -> Floa
 def _best_step(places: Floats, heights: Floats) -> tuple[int, int, float, float]:
     """Return from and up to which column the strip lies, how thick it is, and the scatter about its outline."""
     n = len(places)
-    starts, stops = np.triu_indices(n + 1, 1)
-    number = np.arange(n)
-    is_on: Bools = (number >= starts[:, None]) & (number < stops[:, None])
-    basis, _ = np.linalg.qr(np.stack([np.ones(n), places - places.mean()], axis=1))
-    steps = is_on.astype(np.float64)
-    steps -= (steps @ basis) @ basis.T
-    free = heights - basis @ (basis.T @ heights)
-    sizes = np.einsum("ij,ij->i", steps, steps)
-    thick = np.where(sizes > 1e-9, steps @ free / np.maximum(sizes, 1e-9), 0.0)
+    starts, stops = _ranges(n)
+    shift = places - places.mean()
+    spread = float(shift @ shift)
+    free = heights - heights.mean()
+    free -= shift * (float(shift @ free) / spread)
+    # Of each range the sums of heights, of places and of columns, as differences of sums from the first column on: what
+    # is left of a step once a line is taken off it needs no more.
+    on, at = (np.concatenate([[0.0], np.cumsum(each)]) for each in (free, shift))
+    n_on = stops - starts
+    sizes = n_on - n_on**2 / n - (at[stops] - at[starts]) ** 2 / spread
+    thick = np.where(sizes > 1e-9, (on[stops] - on[starts]) / np.maximum(sizes, 1e-9), 0.0)
     gain = np.where(thick > 0.0, thick**2 * sizes, 0.0)
     best = int(np.argmax(gain))
     misfit_m = float(np.sqrt(max(0.0, float(free @ free) - float(gain[best])) / max(1, n - 5)))
     return int(starts[best]), int(stops[best]), float(thick[best]), misfit_m
+
+
+@functools.lru_cache(maxsize=_MOST_COLUMNS)
+def _ranges(n: int) -> tuple[Ints, Ints]:
+    """Return from and up to which column all ranges of some of n columns go."""
+    starts, stops = np.triu_indices(n + 1, 1)
+    return freeze(starts), freeze(stops)
 
 
 def _is_sharp(heights: Floats, at: int, thick_m: float) -> bool:
@@ -108,4 +120,4 @@ def _is_sharp(heights: Floats, at: int, thick_m: float) -> bool:
     before, after = heights[max(0, at - 1 - _BESIDE_STEP) : at - 1], heights[at + 1 : at + 1 + _BESIDE_STEP]
     if not len(before) or not len(after):
         return True
-    return abs(float(np.median(after)) - float(np.median(before))) >= _SHARP * thick_m
+    return abs(median(after) - median(before)) >= _SHARP * thick_m

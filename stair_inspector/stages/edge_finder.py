@@ -9,6 +9,7 @@ from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Half, Sampling, find_face_edge
 from stair_inspector.geometry.extents import find_extent_edge
+from stair_inspector.geometry.percentiles import median
 from stair_inspector.geometry.rims import find_rim_edge
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.near_points import BESIDE_M, FACE_BAND_M, FACE_FAR_M, FACE_NEAR_SIGMA, NearPoints
@@ -170,7 +171,7 @@ class EdgeFinder:
         """Return how far the surface near the edge lies above its plane, as a nosing strip does."""
         is_strip = (out <= guess_m - STRIP_NEAR_M) & (out >= guess_m - _STRIP_FAR_M)
         strip = offset[is_strip & (np.abs(offset) <= self.band_m + STRIP_STEP_M)]
-        return float(np.median(strip)) if len(strip) >= FEWEST_IN_STRIP else 0.0
+        return median(strip) if len(strip) >= FEWEST_IN_STRIP else 0.0
 
     def _is_obstructed(self, out: Floats, offset: Floats, edge_m: float) -> bool:
         """Return whether something stands at an edge, as a post does, whose shadow may be taken for the edge."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, Ints
+from stair_inspector.geometry.percentiles import percentiles
 from stair_inspector.geometry.plan import angle_deg, left_of
 from stair_inspector.model import Patches, Surface
 from stair_inspector.params import FlightsParams
@@ -65,7 +66,7 @@ def find_links(
         surfaces face each other on several sides, or one lies over the other, it says which side is meant. The link's
         own direction stays the one square to the edge.
     """
-    from sklearn.neighbors import KDTree
+    from scipy.spatial import KDTree  # slow to load
 
     surfaces = patches.surfaces
     ids = sorted((k for k in range(len(surfaces)) if is_allowed[k]), key=lambda k: surfaces[k].height_m)
@@ -82,7 +83,7 @@ def find_links(
                 continue
             for k in (lower, upper):
                 if k not in trees:
-                    trees[k] = KDTree(surfaces[k].cells_m.T)
+                    trees[k] = KDTree(surfaces[k].cells_m.T, leafsize=32, balanced_tree=False, compact_nodes=False)
             link = _link(patches, params, (lower, upper), trees, given)
             if link is not None:
                 links.append(link)
@@ -91,8 +92,8 @@ def find_links(
 
 def depth_along(surface: Surface, direction: Floats) -> float:
     """Return how far a surface extends in a direction of the plan, metres, but for its outermost cells."""
-    low, high = np.percentile(direction @ surface.cells_m, [2.0, 98.0])
-    return float(high - low)
+    low, high = percentiles(direction @ surface.cells_m, 2.0, 98.0)
+    return high - low
 
 
 def _link(
@@ -146,7 +147,7 @@ def _nearest_of(tree: Any, of: Surface, cells: Surface, within_m: float) -> tupl
     near = np.flatnonzero(np.all((places >= low) & (places <= high), axis=1))
     distances, numbers = np.full(len(places), np.inf), np.zeros(len(places), dtype=np.int64)
     if len(near):
-        distances[near], numbers[near] = (found[:, 0] for found in tree.query(places[near]))
+        distances[near], numbers[near] = tree.query(places[near])
     return distances, numbers
 
 
@@ -192,9 +193,9 @@ def _common_edge(front: Floats, back: Floats) -> tuple[Floats, Floats, float]:
     shift = edge - middle[:, None]
     axis: Floats = np.linalg.eigh(np.einsum("in,jn->ij", shift, shift))[1][:, 1]
     # Over a gap, cells beyond the end of the other surface are near enough too, but face nothing.
-    spans = [np.percentile(axis @ (cells - middle[:, None]), [2.0, 98.0]) for cells in (front, back)]
+    spans = [percentiles(axis @ (cells - middle[:, None]), 2.0, 98.0) for cells in (front, back)]
     low, high = max(spans[0][0], spans[1][0]), min(spans[0][1], spans[1][1])
-    return axis, middle + axis * float(low + high) / 2.0, float(high - low)
+    return axis, middle + axis * (low + high) / 2.0, high - low
 
 
 def _local_mean(cells: Floats, middle: Floats) -> Floats:

@@ -6,7 +6,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Bools, Floats
-from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, median
 from stair_inspector.geometry.plan import in_frame
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import HeightOrder, LocalPlane
@@ -54,7 +54,7 @@ def refit_plane(
         chosen = inside & (np.abs(near.r) <= _REFIT_SIGMA * sigma_m)
         if np.count_nonzero(chosen) < _FEWEST_TO_REFIT:
             return plane, near
-        wider = MAD_TO_SIGMA * float(np.median(np.abs(near.r[chosen])))
+        wider = MAD_TO_SIGMA * median(np.abs(near.r[chosen]))
         if wider <= 1.02 * sigma_m:
             break
         sigma_m = wider
@@ -63,7 +63,7 @@ def refit_plane(
             return plane, near
     s, w, r = near.s[chosen], near.w[chosen], near.r[chosen]
     blocks, counts = block_means(s, w, r, FINE_M)
-    slope, centre, _ = fit_trimmed(blocks[:, counts >= 0.3 * np.median(counts)])
+    slope, centre, _ = fit_trimmed(blocks[:, counts >= 0.3 * median(counts)])
     z0 = float(centre[2] - slope @ centre[:2])
     offsets = r + plane.z0_m + plane.slope[0] * s + plane.slope[1] * w
     numbers = (plane.z0_m + z0, plane.slope[0] + float(slope[0]), plane.slope[1] + float(slope[1]))

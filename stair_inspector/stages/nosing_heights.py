@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.geometry.percentiles import MEDIAN_NOISE
+from stair_inspector.geometry.percentiles import MEDIAN_NOISE, median
 from stair_inspector.model import LocalPlane, StepShape
 from stair_inspector.stages.edge_finder import BAND_SIGMA, FEWEST_IN_STRIP, STRIP_NEAR_M, STRIP_STEP_M
 from stair_inspector.stages.near_points import NearPoints
@@ -71,7 +71,7 @@ def _strip_height(r: Floats, plane: LocalPlane, is_stepped: bool) -> tuple[float
     if len(r) < FEWEST_IN_STRIP:
         return 0.0, math.inf
     if is_stepped:
-        r = r[np.abs(r - np.median(r)) <= BAND_SIGMA * plane.sigma_m]
+        r = r[np.abs(r - median(r)) <= BAND_SIGMA * plane.sigma_m]
         # Taken to be no surer than a median: which points it is taken from depends on the spreading too.
         return float(r.mean()), MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(r))
-    return float(np.median(r)), MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(r))
+    return median(r), MEDIAN_NOISE * plane.sigma_m / math.sqrt(len(r))

@@ -8,6 +8,7 @@ import numpy as np
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.geometry.arrays import Floats, Ints, freeze
 from stair_inspector.geometry.clusters import cluster_sorted, find_reach
+from stair_inspector.geometry.percentiles import median
 from stair_inspector.geometry.trimmed import fit_trimmed, height_above
 from stair_inspector.model import Horizontal, Levels, Patches, Surface
 from stair_inspector.params import LevelsParams, PatchesParams
@@ -145,7 +146,7 @@ def _split_off_bumps(parts: Sequence[PlanPart], least: int) -> tuple[list[Ints],
 def _fit_part(part: PlanPart) -> _CellPlane:
     """Fit a plane to the means of a part's cells, so that every piece of the surface counts the same."""
     # Cells that are barely touched lie on an edge, where stray points weigh most.
-    is_full = part.counts >= 0.3 * np.median(part.counts)
+    is_full = part.counts >= 0.3 * median(part.counts)
     return _CellPlane(part, *fit_trimmed(part.means[:, is_full]))
 
 

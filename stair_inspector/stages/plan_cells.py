@@ -8,6 +8,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints
 from stair_inspector.geometry.clusters import cluster_cells
+from stair_inspector.geometry.percentiles import median
 from stair_inspector.model import Levels
 
 _LARGEST_CELL_M = 0.15
@@ -122,7 +123,7 @@ def split_in_plan(grid: PlanGrid, coordinates: Floats, groups: Sequence[Ints], e
     counts = np.concatenate([whole.counts for whole in wholes])
     mean_m = np.concatenate([whole.means[2] for whole in wholes])
     step_m = max(_LEAST_STEP_M, _STEP_EPS * eps_m)
-    wanted = int(max(3.0, _SPARSE_SHARE * _NEIGHBOURHOOD * float(np.median(counts))))
+    wanted = int(max(3.0, _SPARSE_SHARE * _NEIGHBOURHOOD * median(counts)))
     labels = cluster_cells(np.stack([layer, *places]), mean_m / step_m, counts, wanted)
     by_group = np.split(labels, np.cumsum(sizes[:-1]))
     return [part for whole, own_labels in zip(wholes, by_group, strict=True) for part in _by_label(whole, own_labels)]

@@ -6,7 +6,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats, Ints, freeze, project
-from stair_inspector.geometry.percentiles import mad_sigma
+from stair_inspector.geometry.percentiles import mad_sigma, median
 from stair_inspector.geometry.plan import left_of
 from stair_inspector.geometry.trimmed import fit_trimmed
 from stair_inspector.model import Horizontal, LocalPlane, Surface
@@ -52,7 +52,7 @@ def fit_local(
         within = np.ones(len(s), dtype=np.bool_)
     s, w, z = s[within], w[within], rows[2][within]
     blocks, counts = block_means(s, w, z, FINE_M)
-    full = blocks[:, counts >= 0.3 * np.median(counts)]
+    full = blocks[:, counts >= 0.3 * median(counts)]
     slope, centre, _ = fit_trimmed(full)
     z0 = float(centre[2] - slope @ centre[:2])
     return plane_of(s, w, z, (z0, float(slope[0]), float(slope[1])), stride)
@@ -68,7 +68,7 @@ def plane_of(s: Floats, w: Floats, z: Floats, numbers: tuple[float, float, float
     # Blocks without points are in the numbering too.
     fine_counts = np.bincount(_block_keys(s[kept], w[kept], FINE_M)) if kept.any() else np.zeros(0)
     # Cells on the rim are only partly on the surface: the usual cell tells the spacing.
-    per_cell = stride * float(np.median(fine_counts[fine_counts > 0])) if fine_counts.size else 1.0
+    per_cell = stride * median(fine_counts[fine_counts > 0]) if fine_counts.size else 1.0
     spacing_m = FINE_M / math.sqrt(per_cell)
     if per_cell <= stride and kept.any():
         # Of a sparse scan each small block that is occupied holds one point, however far apart they lie.
@@ -96,7 +96,7 @@ def find_layers(s: Floats, w: Floats, residual: Floats) -> float:
     ----------
     .. [1] Otsu: A threshold selection method from gray-level histograms, IEEE Trans. SMC 9, 1979.
     """
-    near = np.flatnonzero(np.abs(residual - np.median(residual)) <= _LAYERS_REACH_M)
+    near = np.flatnonzero(np.abs(residual - median(residual)) <= _LAYERS_REACH_M)
     near = near[:: -(-len(near) // _MOST_FOR_LAYERS) or 1]
     n = len(near)
     if n < _FEWEST_FOR_LAYERS:

@@ -8,6 +8,7 @@ import numpy as np
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine, Sampling, find_face_edge
+from stair_inspector.geometry.percentiles import percentiles
 from stair_inspector.geometry.plan import left_of, place_in_frame
 from stair_inspector.geometry.sight import Sight
 from stair_inspector.geometry.slots import find_slots
@@ -83,7 +84,7 @@ def find_shape(
         covered = (surface.covered_m[0] - float(left @ origin), surface.covered_m[1] - float(left @ origin))
     front = _front_of(s, w, chain.lengths_m[k], covered)
     is_strip = s <= front + priors.FLOOR_STRIP_M
-    w_low, w_high = (float(value) for value in np.percentile(w[is_strip], [1.0, 99.0]))
+    w_low, w_high = percentiles(w[is_strip], 1.0, 99.0)
     if covered is not None:
         w_low, w_high = _with_cover(patches, number, left, origin, (w_low, w_high))
     if span is not None:
@@ -92,7 +93,7 @@ def find_shape(
         w_low, w_high = min(w_low, span[0] - aside), max(w_high, span[1] - aside)
     # Between the quarters of the width: a floor next door at the same height must not make a tread deeper.
     inner = (w >= w_low + 0.25 * (w_high - w_low)) & (w <= w_high - 0.25 * (w_high - w_low))
-    s_high = float(np.percentile(s[inner] if inner.any() else s, 98.0))
+    (s_high,) = percentiles(s[inner] if inner.any() else s, 98.0)
     s_high = max(s_high, front + 2.0 * patches.cell_m)
     extent = (front, s_high, w_low, w_high)
     plane = fit_local(scanned.horizontal, surface, origin, climb, extent)
@@ -171,7 +172,7 @@ def _front_of(s: Floats, w: Floats, length_m: float, covered: tuple[float, float
     is_middle = np.abs(w) <= (0.4 if covered is None else 0.5) * length_m
     if covered is not None:
         is_middle &= (w <= covered[0]) | (w >= covered[1])
-    return float(np.percentile(s[is_middle] if is_middle.any() else s, 2.0))
+    return percentiles(s[is_middle] if is_middle.any() else s, 2.0)[0]
 
 
 def _with_cover(
@@ -258,7 +259,7 @@ def _find_foot(
     if np.count_nonzero(beside) < 4:
         return None
     # From where the floor is first seen in front of the step.
-    s_high = float(np.percentile(s[beside], 99.0))
+    (s_high,) = percentiles(s[beside], 99.0)
     strip = (s_high - priors.FLOOR_STRIP_M, s_high, w_low, w_high)
     return fit_local(horizontal, base, origin, climb, strip)
 

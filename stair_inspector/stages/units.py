@@ -13,7 +13,7 @@ from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.lattice import Lattice, find_lattices
 from stair_inspector.geometry.normals import estimate_normals_at, morton_order
 from stair_inspector.model import Note, Observation, Scan, Step
-from stair_inspector.params import KnownUnit
+from stair_inspector.params import KNOWN_UNITS, KnownUnit
 from stair_inspector.stages.density import find_spacing
 from stair_inspector.stages.hopeless import fitting_units
 from stair_inspector.stages.readings import LONGEST_PERIOD_M, SURE
@@ -101,11 +101,15 @@ def ask_unit(scan: Scan, steps: tuple[Step, ...]) -> tuple[Observation, ...]:
         return ()
     per = METRES_PER_UNIT[scan.unit]
     rise, going = (float(each) / per for each in np.median(sizes, axis=0))
+    weights = {unit: _weigh(rise, going, unit) for unit in KNOWN_UNITS}
+    least = max(_LEAST, weights[scan.unit] - SURE)
+    if all(weight < least for unit, weight in weights.items() if unit != scan.unit):
+        # However large the scan is, which takes long to tell.
+        return ()
     units = fitting_units(_size_of(scan.points) / per, scan.unit)
-    weights = {unit: _weigh(rise, going, unit) for unit in units}
     others = [unit for unit in units if unit != scan.unit]
     other = max(others, key=weights.__getitem__, default=scan.unit)
-    if other == scan.unit or weights[other] < max(_LEAST, weights[scan.unit] - SURE):
+    if other == scan.unit or weights[other] < least:
         return ()
     first, second = sorted((scan.unit, other), key=lambda unit: -weights[unit])
     return (_question(rise, going, first, second),)
