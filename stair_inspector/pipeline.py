@@ -80,19 +80,17 @@ def inspect(scan: Scan, params: Params, memo: Memo | None = None) -> Inspection:
     spread = memo.run("dither", spread_steps, scan, examined, heights, horizontal, levels)
     heights, horizontal, levels = spread.heights, spread.horizontal, spread.levels
     patches = memo.run("patches", split_levels, horizontal, levels, fitted.patches, fitted.levels)
-    least_m2 = params.patches.min_area_m2
-    peaks = memo.run("peaks", find_peaks, heights, patches.cell_m)
+    peaks, least_m2 = memo.run("peaks", find_peaks, heights, patches.cell_m), params.patches.min_area_m2
     horizontal, patches = memo.run("bars", join_bars, heights, peaks, horizontal, patches, least_m2)
     forced = memo.run("overrules", apply_overrules, scan, horizontal, patches, params.overrules)
     limits, chains, is_hopeless = params.flights, NO_CHAINS, is_too_coarse(found.examination, params.flights)
     if not is_hopeless:
         patches, chains = memo.run("flights", find_flights, heights, horizontal, patches, limits, least_m2, forced)
-    edges_by, step_m = params.survey.of_edges, float(examined.steps_m.max()) if is_sparse else None
-    scanned = edges_by, spread.is_stepped, step_m, examined.sight
-    shapes = memo.run("nosings", find_shapes, heights, horizontal, patches, chains, *scanned)
-    said = params.survey, params.uncertainty, params.display
-    survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, steps, up, forced, *said, examined)
-    noted = note_what_goes_on(heights, chains, shapes, survey, scan, examined.sight)
+    lines, u, k, sight = params.survey, params.uncertainty, params.display, examined.sight
+    edges_by, stepped, step_m = lines.of_edges, spread.is_stepped, float(examined.steps_m.max()) if is_sparse else None
+    shapes = memo.run("nosings", find_shapes, heights, horizontal, patches, chains, edges_by, stepped, step_m, sight)
+    survey = memo.run("survey", measure_survey, horizontal, patches, chains, shapes, up, forced, lines, u, k, examined)
+    noted = note_what_goes_on(heights, chains, shapes, survey, scan, sight)
     survey = take_out_impossible(noted, limits, shapes, examined)
     concluded = conclude_survey(found, scan, horizontal, patches, chains, forced, survey, spent)
     if not concluded.steps and not is_hopeless:

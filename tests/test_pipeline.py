@@ -544,13 +544,13 @@ def test_memo_gives_what_a_plain_run_gives_through_a_drag_over_all_sliders(n_mov
         ("horizontal.theta_deg", [*FROM_HORIZONTAL, "profile", *SPREAD]),
         ("levels.eps_m", [*FROM_HORIZONTAL[1:], *SPREAD]),
         ("levels.min_points", [*FROM_HORIZONTAL[2:], *SPREAD]),
-        # A step of the survey carries the paper's values too, so its last stage runs again; its search does not.
-        ("axes.rule", ["axes", "extents", "edges", "paper", "survey"]),
+        # A step of the survey carries the paper's values too, but they are no part of its measuring.
+        ("axes.rule", ["axes", "extents", "edges", "paper"]),
         # The survey looks for the floor among several planes.
         ("method", ["stations", *BY_PAPER[3:]]),
-        ("edges.front_percentile", ["edges", "paper", "survey"]),
-        ("edges.back_percentile", ["edges", "paper", "survey"]),
-        ("edges.side_percentile", ["edges", "paper", "survey"]),
+        ("edges.front_percentile", ["edges", "paper"]),
+        ("edges.back_percentile", ["edges", "paper"]),
+        ("edges.side_percentile", ["edges", "paper"]),
         ("display.nearest_k", ["nearest", "paper", "survey"]),
         ("patches.cell_m", SURVEY),
         ("patches.min_area_m2", SURVEY),

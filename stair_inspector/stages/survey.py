@@ -40,7 +40,6 @@ def measure_survey(
     patches: Patches,
     chains: Chains,
     shapes: tuple[tuple[StepShape, ...], ...],
-    paper: tuple[Step, ...],
     up: Up,
     forced: Forced,
     params: SurveyParams,
@@ -54,8 +53,6 @@ def measure_survey(
     ----------
     horizontal, patches, chains, shapes
         Of one scan; level frame.
-    paper : tuple of Step
-        The paper's steps, one for each height cluster above the lowest.
     up : Up
         With its uncertainty, if known.
     forced : Forced
@@ -69,7 +66,7 @@ def measure_survey(
     Returns
     -------
     Survey
-        Steps counted from 1 in the order of the flights, positions in local scan axes.
+        Steps counted from 1 in the order of the flights, positions in local scan axes, without the paper's values.
     """
     sight = None if examined is None or examined.sight is None else examined.sight.in_frame(horizontal.level_from_scan)
     context = Common.of(up, doubts, horizontal.level_from_scan, examined)
@@ -99,8 +96,6 @@ def measure_survey(
                     values,
                     step_id=first_id + k,
                     plane=fit,
-                    # To the paper the lowest height cluster is the floor and has no values of a step.
-                    paper=paper[surface.level_id - 1].paper if surface.level_id else PaperValues(),
                     nearest_ids=nearest_rows(horizontal, surface.rows, fit.centroid, display.nearest_k),
                     kind=kind,
                     flight=flight_id,
@@ -123,3 +118,20 @@ def measure_survey(
             notes.append(Note("winding", "survey", message))
         notes += notes_of_unobserved(chain, own_shapes, own_steps, sight)
     return Survey(tuple(steps), tuple(flights), tuple(numbers), tuple(notes))
+
+
+def with_paper_values(survey: Survey, patches: Patches, paper: tuple[Step, ...]) -> Survey:
+    """Give every step the values that the paper's method has for its height cluster, besides its own.
+
+    Parameters
+    ----------
+    survey, patches
+        Of one scan.
+    paper : tuple of Step
+        The paper's steps, one for each height cluster above the lowest.
+    """
+    levels = (patches.surfaces[number].level_id for number in survey.surfaces)
+    # To the paper the lowest height cluster is the floor and has no values of a step.
+    values = (paper[level - 1].paper if level else PaperValues() for level in levels)
+    steps = tuple(replace(step, paper=own) for step, own in zip(survey.steps, values, strict=True))
+    return replace(survey, steps=steps)

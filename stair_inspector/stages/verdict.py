@@ -34,7 +34,7 @@ from stair_inspector.stages.causes import MERGED_M, why_no_flight
 from stair_inspector.stages.impossible import take_out_cut
 from stair_inspector.stages.paper import measure_h, review_steps
 from stair_inspector.stages.rejects import Forced, explain_rejects
-from stair_inspector.stages.survey import Survey
+from stair_inspector.stages.survey import Survey, with_paper_values
 from stair_inspector.stages.units import ask_unit
 
 Kind = Literal["floor", "tread", "landing", "rejected"]
@@ -113,6 +113,7 @@ def conclude_survey(
     Inspection
         Without steps, and with the reason in a note, where there is no staircase.
     """
+    survey = with_paper_values(survey, patches, paper.steps)
     survey = take_out_cut(survey, scan, horizontal, patches, paper.params.overrules.region)
     named = _name_patches(paper, scan, patches, chains, forced, survey)
     patch_of_row = np.full(len(horizontal.point_ids), -1, dtype=np.int64)

@@ -26,7 +26,7 @@ from stair_inspector.params import DisplayParams, SurveyParams
 from stair_inspector.stages.climbs import find_climbs
 from stair_inspector.stages.doubt import edge_doubt, slope_doubt
 from stair_inspector.stages.rejects import Forced
-from stair_inspector.stages.survey import measure_survey
+from stair_inspector.stages.survey import measure_survey, with_paper_values
 from stair_inspector.stated_uncertainty import UncertaintyParams
 
 RISE, GOING, WIDTH, DEPTH = 0.17, 0.28, 1.0, 0.3
@@ -123,12 +123,11 @@ def survey_of(*flights, up=None, doubts=STATED, params=None, forced=None, examin
         Step(k, PLANE, np.zeros((4, 3)), np.zeros(0, dtype=np.int64), PaperValues(h_m=float(k)))
         for k in range(1, len(patches.surfaces))
     )
-    return measure_survey(
+    survey = measure_survey(
         horizontal,
         patches,
         Chains(tuple(chain for chain, _ in pairs)),
         tuple(tuple(shapes) for _, shapes in pairs),
-        paper,
         up or horizontal.up,
         forced or Forced({}),
         params or SurveyParams(),
@@ -136,6 +135,7 @@ def survey_of(*flights, up=None, doubts=STATED, params=None, forced=None, examin
         DisplayParams(nearest_k=2),
         examined,
     )
+    return with_paper_values(survey, patches, paper)
 
 
 def values(survey, name):
