@@ -22,6 +22,7 @@ from stair_inspector.stages.climbs import straight_climb
 from stair_inspector.stages.flights import find_chains
 from stair_inspector.stages.foot import without_floor_strips
 from stair_inspector.stages.links import depth_along
+from stair_inspector.stages.narrow_slots import find_narrow_slot, note_of_narrow_slot
 from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.runners import bare_treads
 from stair_inspector.stages.split_flights import with_unseen_strips
@@ -77,17 +78,18 @@ def find_flights(
     if whole is not patches:
         patches, chains = whole, find_chains(whole, params, least_area_m2, forced)
     for _ in range(_ROUNDS):
-        better = _joined(horizontal, _parted(horizontal, patches, chains, forced), chains, forced)
+        better = _joined(horizontal, _parted(heights, horizontal, patches, chains, forced), chains, forced)
         if better is patches:
             break
         patches = better
         chains = find_chains(patches, params, least_area_m2, forced)
     chains = without_floor_strips(heights, patches, chains, forced)
+    patches, joints = _with_narrow_slots(heights, horizontal, patches, chains)
     patches, strips = with_unseen_strips(heights, horizontal, patches, chains, forced)
     if strips:
         chains = without_floor_strips(heights, patches, find_chains(patches, params, least_area_m2, forced), forced)
         chains = dataclasses.replace(chains, notes=(*chains.notes, *strips))
-    doubts = [_note_of_underside(patches.surfaces[number]) for number in sorted(lower)]
+    doubts = joints + [_note_of_underside(patches.surfaces[number]) for number in sorted(lower)]
     doubts += [note for chain in chains.chains for note in _note_of_bars(horizontal, patches, chain)]
     chains = dataclasses.replace(chains, notes=(*chains.notes, *doubts)) if doubts else chains
     return bare_treads(horizontal, _with_common_bounds(patches, chains), chains)
@@ -120,6 +122,24 @@ def _with_common_bounds(patches: Patches, chains: Chains) -> Patches:
             limits = (float(low) if np.isfinite(low) else common[0], float(high) if np.isfinite(high) else common[1])
             surfaces[number] = dataclasses.replace(surfaces[number], bounds_m=limits)
     return Patches(tuple(surfaces), patches.cell_m)
+
+
+def _with_narrow_slots(
+    heights: HeightOrder, horizontal: Horizontal, patches: Patches, chains: Chains
+) -> tuple[Patches, list[Note]]:
+    """Let the widths of flights that a narrow gap may part in two hold either half, and say so."""
+    surfaces, notes = list(patches.surfaces), []
+    for chain in chains.chains:
+        climb = straight_climb(chain)
+        slot = None if climb is None else find_narrow_slot(heights, horizontal, surfaces, chain, climb)
+        if climb is None or slot is None:
+            continue
+        for number in chain.steps:
+            across = left_of(climb) @ surfaces[number].cells_m
+            more_m = max(slot.high - float(across.min()), float(across.max()) - slot.low) + patches.cell_m
+            surfaces[number] = dataclasses.replace(surfaces[number], aside_m=more_m)
+        notes.append(note_of_narrow_slot(slot, chain, surfaces))
+    return (Patches(tuple(surfaces), patches.cell_m) if notes else patches), notes
 
 
 def _note_of_bars(horizontal: Horizontal, patches: Patches, chain: Chain) -> list[Note]:
@@ -159,7 +179,7 @@ def _sides_of_steps(horizontal: Horizontal, surfaces: Sequence[Surface], chain: 
     return sides
 
 
-def _parted(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Forced) -> Patches:
+def _parted(heights: HeightOrder, horizontal: Horizontal, patches: Patches, chains: Chains, forced: Forced) -> Patches:
     """Return the surfaces with those of two flights parted at the slot between them; what is cut off comes last."""
     surfaces = list(patches.surfaces)
     for chain in chains.chains:
@@ -168,6 +188,9 @@ def _parted(horizontal: Horizontal, patches: Patches, chains: Chains, forced: Fo
             continue
         left = left_of(climb)
         sides = _sides_of_steps(horizontal, surfaces, chain, left)
+        narrow = find_narrow_slot(heights, horizontal, surfaces, chain, climb)
+        if narrow is not None and narrow.is_through:
+            sides = [narrow.of_step(each, k + 1 < len(sides)) for k, each in enumerate(sides)]
         for k, number in enumerate(chain.steps):
             if number in forced.kinds:
                 continue

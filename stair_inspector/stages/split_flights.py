@@ -22,8 +22,9 @@ _SAME_CLIMB_DEG, _IN_LINE_M, _LEVEL_M, _SIGMAS = 3.0, 0.03, 0.006, 3.0
 """Steps of one flight lie at one height, to the scatter of both, and their nosings in one line."""
 _FEWEST_STEPS = 3
 _WIDEST_M, _SAME_SIDE_M = 0.5, 0.03
-_RIM_M, _BESIDE_M = 0.012, 0.2
-"""So near to its edges a strip may hold noise, and the sides of two flights show; and how far beside it is looked."""
+_RIM_M, _RIM, _BESIDE_M = 0.012, 0.25, 0.2
+"""So near to its edges, and no more than this share of it, a strip may hold noise, and the sides of two flights show;
+and how far beside it is looked."""
 _BEFORE_M, _BEHIND_M, _BELOW_M, _ABOVE_M = 0.5, 0.3, 0.1, 0.3
 """How much of floor and landing is looked at, and how far below the lower step and above a step."""
 _EMPTY, _FEWEST = 0.02, 60
@@ -151,8 +152,9 @@ def _what_shows(near: _Near, surfaces: Sequence[Surface], pair: _Pair) -> Litera
     ahead, across, _ = near
     is_floor = ahead < float(pair.right.middles[0] @ pair.climb) - _RIM_M
     half_m = pair.size_m / 2.0
+    inner_m = half_m - min(_RIM_M, _RIM * pair.size_m)
     off_m = np.abs(across - (pair.low + half_m))
-    is_in, is_beside = off_m <= half_m - _RIM_M, np.abs(off_m - pair.size_m) <= half_m - _RIM_M
+    is_in, is_beside = off_m <= inner_m, np.abs(off_m - pair.size_m) <= inner_m
     n_in, n_beside = (
         [int(np.count_nonzero(band & part)) for part in (is_floor, ~is_floor)] for band in (is_in, is_beside)
     )
@@ -166,7 +168,7 @@ def _what_shows(near: _Near, surfaces: Sequence[Surface], pair: _Pair) -> Litera
         float(np.median([(left @ surfaces[number].cells_m).min() for number in pair.right.steps])) - half_m,
         float(np.median([(left @ surfaces[number].cells_m).max() for number in pair.left.steps])) + half_m,
     )
-    n_beyond = [np.count_nonzero(is_floor & (np.abs(across - end) <= half_m - _RIM_M)) for end in ends]
+    n_beyond = [np.count_nonzero(is_floor & (np.abs(across - end) <= inner_m)) for end in ends]
     is_common = min(n_beyond) >= _COMMON * n_beside[0]
     return "one" if is_empty[1] and is_common else "two"
 

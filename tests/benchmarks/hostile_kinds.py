@@ -406,8 +406,9 @@ def stood_on(seed: int) -> Iterator[Variant]:
         name = f"a strip of {high - low:g} m unseen, {low:g} m aside, seed {seed}"
         built = buildings.stood_on(stair, ())
         yield _built(name, stair, built, seed, yaw(25.0 * seed), functools.partial(without_strip, low=low, high=high))
-    built = buildings.beside(buildings.stood_on(stair, ()), 0.1, stair.width_m)
-    yield _built(f"two flights 0.1 m apart, seed {seed}", stair, built, seed, yaw(25.0 * seed))
+    for apart_m in (0.02, 0.03, 0.1):
+        built = buildings.beside(buildings.stood_on(stair, ()), apart_m, stair.width_m)
+        yield _built(f"two flights {apart_m:g} m apart, seed {seed}", stair, built, seed, yaw(25.0 * seed))
     runners = (0.006, 0.7, 0.0), (0.009, 0.9, 0.0), (0.012, 0.7, 0.0), (0.009, 0.5, 0.3), (0.018, 0.7, 0.0)
     for thick_m, width_m, aside_m in (*runners, (0.025, 0.8, 0.0), (0.018, 0.95, 0.0)):
         built = buildings.with_runner(stair, thick_m, width_m, aside_m)
