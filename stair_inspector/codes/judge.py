@@ -32,6 +32,7 @@ _TELLING_NOTES = (
     "goes_on",
     "runner",
     "two_levels",
+    "thing_on_tread",
     "flights_may_be_two",
     "flights_may_be_one",
     "strip_unseen",

@@ -27,6 +27,7 @@ from stair_inspector.stages.rejects import Forced
 from stair_inspector.stages.runners import bare_treads
 from stair_inspector.stages.split_flights import with_unseen_strips
 from stair_inspector.stages.thick_runners import with_bare_sides
+from stair_inspector.stages.things import bare_of_things
 from stair_inspector.stages.undersides import find_steps_from_below
 
 _ROUNDS = 3
@@ -92,7 +93,7 @@ def find_flights(
     doubts = joints + [_note_of_underside(patches.surfaces[number]) for number in sorted(lower)]
     doubts += [note for chain in chains.chains for note in _note_of_bars(horizontal, patches, chain)]
     chains = dataclasses.replace(chains, notes=(*chains.notes, *doubts)) if doubts else chains
-    return bare_treads(horizontal, _with_common_bounds(patches, chains), chains)
+    return bare_of_things(horizontal, *bare_treads(horizontal, _with_common_bounds(patches, chains), chains))
 
 
 def _note_of_underside(surface: Surface) -> Note:

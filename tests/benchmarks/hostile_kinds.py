@@ -384,11 +384,16 @@ def of_bars(seed: int) -> Iterator[Variant]:
 
 
 def stood_on(seed: int) -> Iterator[Variant]:
-    """A person or boxes on the treads, things on the landing, a tripod's hole, a strip unseen, a runner of carpet."""
+    """A person, boxes or a mat on the treads, things on the landing, a tripod's hole, a strip unseen, a runner."""
     stair = buildings.Plain()
     person, box = buildings.Thing(3, 0.05, 0.45, 0.27, 1.75), buildings.Thing(5, -0.2, 0.35, 0.25, 0.3)
     for name, things in (("a person", (person,)), ("a box", (box,)), ("both", (person, box))):
         yield _built(f"{name}, seed {seed}", stair, buildings.stood_on(stair, things), seed, yaw(25.0 * seed))
+    for high_m, width_m, aside_m in ((0.004, 0.4, -0.3), (0.008, 0.7, 0.1), (0.01, 0.5, 0.25)):
+        depth_m = 0.15 if width_m > 0.6 else 0.27
+        mat = buildings.Thing(3, aside_m, width_m, depth_m, high_m)
+        built = buildings.stood_on(stair, (mat,))
+        yield _built(f"a mat of {1000.0 * high_m:g} mm, seed {seed}", stair, built, seed, yaw(25.0 * seed))
     landing = (
         buildings.Thing(stair.n_risers, -0.2, 0.45, 0.3, 1.75, 0.1),
         buildings.Thing(stair.n_risers, 0.3, 0.4, 0.4, 0.4, 0.5),
