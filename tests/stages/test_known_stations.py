@@ -1,10 +1,12 @@
 """What is made of a file that says which station saw each point, and where it stood."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from stair_inspector.memo import Memo
 from stair_inspector.model import ScanStations
 from stair_inspector.params import NormalsParams, Params
 from stair_inspector.pipeline import inspect
@@ -136,13 +138,16 @@ def test_estimated_normals_point_to_the_station_that_saw_the_point():
     assert np.array_equal(find_normals(known(points, of_point, NOWHERE), NormalsParams()).vectors, free)
 
 
+@functools.cache
+def over_each_other():
+    """The simulated scan as a plain cloud and with its stations, each with the memo of its inspections."""
+    scanned, is_second = simulated()
+    return tuple((scan, Memo()) for scan in (make_scan(scanned.points), known(scanned.points, is_second, places())))
+
+
 @pytest.mark.parametrize("method", ["paper", "survey"])
 def test_the_values_are_those_of_the_plain_cloud_where_stations_lie_over_each_other(method):
-    scanned, is_second = simulated()
-    plain, told = (
-        inspect(scan, Params(method=method))
-        for scan in (make_scan(scanned.points), known(scanned.points, is_second, places()))
-    )
+    plain, told = (inspect(scan, Params(method=method), memo) for scan, memo in over_each_other())
     assert len(plain.steps) > 4
     for mine, other in zip(told.steps, plain.steps, strict=True):
         assert mine.paper == other.paper
