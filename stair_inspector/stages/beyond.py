@@ -165,7 +165,9 @@ def _scan_ends(flight: Flight, heights: HeightOrder, shadow: str, *, is_part: bo
     last = flight.step_ids[-1]
     cut, nothing = "the scan's end", f"nothing was scanned behind step {last}"
     # Outside a region or a box there may be more of it.
-    if len(np.unique(heights.point_ids)) < heights.n_scan:
+    is_seen = np.zeros(heights.n_scan, dtype=np.bool_)
+    is_seen[heights.point_ids] = True
+    if not is_seen.all():
         cut, nothing = "the region of interest", f"the region holds nothing behind step {last}"
     elif is_part:
         cut, nothing = "the box of the file that was read", f"the box holds nothing behind step {last}"
