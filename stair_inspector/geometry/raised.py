@@ -132,11 +132,22 @@ def _slopes(grid: Floats) -> tuple[float, float]:
 
 def _means_around(grid: Floats) -> Floats:
     """Return the means over three by three cells, of those that are known."""
-    padded = np.pad(grid, 1, constant_values=np.nan)
-    around = np.stack([padded[i : i + grid.shape[0], j : j + grid.shape[1]] for i in range(3) for j in range(3)])
-    is_known = np.isfinite(around)
-    means: Floats = np.where(is_known, around, 0.0).sum(axis=0) / np.maximum(is_known.sum(axis=0), 1)
-    return np.where(np.isfinite(grid), means, np.nan)
+    is_known = np.isfinite(grid)
+    sums, counts = _sums_around(np.where(is_known, grid, 0.0)), _sums_around(is_known.astype(np.float64))
+    means: Floats = np.where(is_known, sums / np.maximum(counts, 1.0), np.nan)
+    return means
+
+
+def _sums_around(grid: Floats) -> Floats:
+    """Return the sums over three by three cells."""
+    n_rows, n_columns = grid.shape
+    padded = np.zeros((n_rows + 2, n_columns + 2))
+    padded[1:-1, 1:-1] = grid
+    sums = np.zeros(grid.shape)
+    for i in range(3):
+        for j in range(3):
+            sums += padded[i : i + n_rows, j : j + n_columns]
+    return sums
 
 
 def _otsu(values: Floats) -> float:
@@ -158,10 +169,12 @@ def _rim(high: Bools, is_full: Bools) -> Bools:
 
 
 def _grown(part: Bools) -> Bools:
-    padded = np.pad(part, 1)
-    grown: Bools = np.any(
-        [padded[i : i + part.shape[0], j : j + part.shape[1]] for i in range(3) for j in range(3)], axis=0
-    )
+    wide = part.copy()
+    wide[1:] |= part[:-1]
+    wide[:-1] |= part[1:]
+    grown = wide.copy()
+    grown[:, 1:] |= wide[:, :-1]
+    grown[:, :-1] |= wide[:, 1:]
     return grown
 
 

@@ -70,8 +70,10 @@ def _treads_of(
 ) -> list[Ints]:
     """Return the points of each tread that the points of one height form and that no surface covers as a whole."""
     cell_m = patches.cell_m
-    points = heights.coordinates_m[:, top.rows]
-    is_covered = is_mostly_level or _is_covered(points[:2], median(points[2]), patches)
+    is_covered = is_mostly_level
+    if not is_covered:
+        points = heights.coordinates_m[:, top.rows]
+        is_covered = _is_covered(points[:2], median(points[2]), patches)
     # Most of these are whole treads, which need to be known less well than what may be bars.
     rows, plane = top.roughly if is_covered else top.well
     if len(rows) < FEWEST_IN_PEAK:
