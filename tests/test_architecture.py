@@ -291,7 +291,8 @@ STAGES = (
     ("links", "pace", "gaps", "missing_feet", "runs", "run_ends", "flights"),
     ("planes", "arcs", "climbs", "foot", "runners", "thick_runners", "things", "narrow_slots", "split_flights"),
     ("undersides", "pieces", "plumb"),
-    ("hidden", "pooled", "near_points", "edge_finder", "nosing_heights", "step_shapes", "seen_ends", "nosings"),
+    ("hidden", "pooled", "near_points", "edge_finder", "nosing_heights", "step_shapes", "seen_ends", "face_noise"),
+    ("nosings",),
     ("doubt", "parts", "flight_values", "step_values", "unobserved", "survey", "beyond", "blurred", "impossible"),
     ("hopeless", "causes", "units", "verdict", "suggest", "retry", "withhold"),
 )

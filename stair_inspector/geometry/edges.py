@@ -62,6 +62,8 @@ class EdgeLine:
     was looked for that lie on it. ``obstructed_m`` is the part of ``noise_m`` that is there because something stands at
     the edge, whose shadow it may be. ``is_wall`` says that the face goes up from the surface, as that of a wall does,
     or of a thing that stands on it; ``is_counted`` that ``noise_m`` holds what the distance of the points leaves open.
+    ``sigma_m`` is the noise of single points across a face where that is known by itself, 0 where it is the surface's,
+    and ``seen_by`` the number of the station that saw most of it, -1 where it is not known.
     """
 
     middle_m: float
@@ -75,6 +77,8 @@ class EdgeLine:
     obstructed_m: float = 0.0
     is_wall: bool = False
     is_counted: bool = False
+    sigma_m: float = 0.0
+    seen_by: int = -1
 
     @property
     def free_noise_m(self) -> float:

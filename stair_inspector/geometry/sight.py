@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stair_inspector.geometry.arrays import Bools, Floats
+from stair_inspector.geometry.arrays import Bools, Floats, Ints
 
 _NEIGHBOURS, _STRAYS = 8, 1
 """Rays next to a place that must agree on it, but for one: between two surfaces a ray may end anywhere."""
@@ -53,6 +53,15 @@ class Sight:
     def in_frame(self, turn: Floats) -> "Sight":
         """Return the same for places in a frame into which ``turn`` (3, 3) takes that of the rays."""
         return replace(self, turn=turn)
+
+    def points(self, most: int = 400_000) -> tuple[Floats, Ints]:
+        """Return about so many points (n, 3) at most at which rays ended, asked frame, and whose (n,) each is."""
+        stride = max(1, -(-sum(map(len, self.ranges_m)) // most))
+        met = [
+            place + ranges_m[::stride, None] * rays[::stride]
+            for place, rays, ranges_m in zip(self.places_m, self.rays, self.ranges_m, strict=True)
+        ]
+        return np.concatenate(met) @ self.turn.T, np.repeat(np.arange(len(met)), list(map(len, met)))
 
     def look(self, places: Floats, reach_m: float = NEAR_M) -> Looks:
         """Return what the stations make of places (m, 3), by rays that pass them within ``reach_m``."""

@@ -20,6 +20,8 @@ _FACE_EDGE_M = 0.000017
 _FACE_EDGE_SPACING = 0.0085
 _FACE_EDGE_SIGMA = 0.0425
 """Doubt about where an edge is, given its face: of a face's flatness, of the spacing and of the noise of the points."""
+_ACROSS_FACE = 1.5
+"""Of the noise that a face shows by itself, where stations are known: from simulated tripods 6 m away."""
 _EXTENT_EDGE_M = 0.0001
 _EXTENT_EDGE_SPACING = 0.25
 _EXTENT_EDGE_SIGMA = 0.10
@@ -62,12 +64,14 @@ def expanded(value: float, **parts: float) -> Measured:
 def edge_doubt(edge: EdgeLine, plane: LocalPlane) -> float:
     """Return what the definition of an edge leaves open, metres: beyond the scatter along it."""
     least_m, of_spacing, of_sigma = _EXTENT_EDGE_M, _EXTENT_EDGE_SPACING, _EXTENT_EDGE_SIGMA
+    sigma_m = plane.sigma_m
     if edge.source == "face":
         least_m, of_spacing, of_sigma = _FACE_EDGE_M, _FACE_EDGE_SPACING, _FACE_EDGE_SIGMA
+        sigma_m = max(sigma_m, _ACROSS_FACE * edge.sigma_m)
     elif edge.is_counted:
         of_spacing, of_sigma = _COUNTED_EDGE_SPACING, _COUNTED_EDGE_SIGMA
     joint_m = _WALL_JOINT_M if edge.is_wall else 0.0
-    return math.hypot(least_m, of_spacing * plane.spacing_m, of_sigma * plane.sigma_m, joint_m)
+    return math.hypot(least_m, of_spacing * plane.spacing_m, of_sigma * sigma_m, joint_m)
 
 
 def view_doubt(edge: EdgeLine, plane: LocalPlane, ray: Floats, across: Floats, length_m: float) -> float:

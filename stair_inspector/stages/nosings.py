@@ -11,6 +11,7 @@ from stair_inspector.model import Arc, Chain, Chains, HeightOrder, Horizontal, P
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.arcs import climb_on_arc, find_arc, turning_climbs, with_arc_sides
 from stair_inspector.stages.climbs import flight_after, straight_climb
+from stair_inspector.stages.face_noise import with_face_noise
 from stair_inspector.stages.hidden import with_common_sides, with_doubtful_fronts, with_wedge_sides
 from stair_inspector.stages.pooled import pool_steps
 from stair_inspector.stages.seen_ends import with_seen_fronts, with_seen_sides
@@ -59,7 +60,8 @@ def find_shapes(
         after = flight_after(chains, number)
         above = None if after is None else shapes[after][0]
         shapes[number] = _shapes_of(scanned, chains.chains[number], above, sparse_step_m)
-    return tuple(shapes[number] for number in range(len(chains.chains)))
+    found = tuple(shapes[number] for number in range(len(chains.chains)))
+    return found if sight is None else tuple(with_face_noise(own, sight) for own in found)
 
 
 def _shapes_of(

@@ -1,6 +1,7 @@
 """What is a step's uncertainty made of? The doubts about its level and its edges, from what the scan is like."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -144,8 +145,20 @@ class Doubts:
         """Return what resolution and doubled surfaces leave uncertain of the distance of front or back edges."""
         return {
             "resolution": math.hypot(*(self.resolution_across(*edge) for edge in edges)),
-            "layers": math.hypot(*(self.layers_across(*edge) for edge in edges)),
+            "layers": math.hypot(*(self.layers_across(*edge) for edge in edges), self._untold_between(edges)),
         }
+
+    def _untold_between(self, edges: Sequence[tuple[EdgeLine | None, StepShape]]) -> float:
+        """Return what a shift of stations along the climb that no surface shows leaves of the distance of edges.
+
+        A face that both had seen would show it. Nothing of it lies between two faces that one station saw; all of it
+        may between those of two stations; and the end of a tread is that of either.
+        """
+        known = [(edge, shape) for edge, shape in edges if edge is not None]
+        untold_m = max((self._untold_m(shape.climb) for _, shape in known), default=0.0)
+        n_ends = sum(edge.source != "face" for edge, _ in known)
+        seen_by = {edge.seen_by for edge, _ in known if edge.source == "face" and edge.seen_by >= 0}
+        return 2.0 * untold_m if len(seen_by) > 1 else math.sqrt(n_ends) * untold_m
 
     def layers_aside(self, shape: StepShape) -> float:
         """Return the same of an edge at a tread's side, square to the climb.
@@ -155,9 +168,13 @@ class Doubts:
         """
         left = np.array([*left_of(shape.climb), 0.0])
         apart_m = self._apart_m(left)
-        untold_m = float(np.abs(self._common.aside_m @ left).max(initial=0.0)) / 2.0
+        untold_m = self._untold_m(left_of(shape.climb))
         # What a strip of carpet leaves of the width goes to two sides, and to one direction; so does an untold shift.
         return math.hypot(apart_m / 2.0, math.hypot(shape.plane.aside_m / 2.0, untold_m) / math.sqrt(2.0))
+
+    def _untold_m(self, direction: Floats) -> float:
+        """Return half of what stations may be apart in a direction (2,) of the plan in which no surface shows it."""
+        return float(np.abs(self._common.aside_m @ np.array([*direction, 0.0])).max(initial=0.0)) / 2.0
 
     def _apart_m(self, direction: Floats) -> float:
         """Return how far doubled surfaces lie apart in a direction of the level frame."""

@@ -242,7 +242,8 @@ def _observe(laid: LaidStations, stations: ScanStations | None) -> Observation:
     if untold_m is not None:
         message += (
             "; along some direction no surface shows how they lie, and they were not moved: U of the widths holds "
-            f"{size_text(2.0 * untold_m)} of that, if it is aside"
+            f"{size_text(2.0 * untold_m)} of that if it is aside, and, if it is along the climb, U of goings and "
+            "depths between ends of treads or faces that different stations saw"
         )
     return Observation("stations_joined", "doubt", message, size_m, _REMEDY)
 
