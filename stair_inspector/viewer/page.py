@@ -35,6 +35,7 @@ from stair_inspector.viewer.compute.runs import CANCELLED, Listener, Prepared, P
 from stair_inspector.viewer.compute.workshop import Workshop
 from stair_inspector.viewer.parts.checks.part import ChecksPart
 from stair_inspector.viewer.parts.desk import Desk, Shown
+from stair_inspector.viewer.parts.docked.part import DockedPart
 from stair_inspector.viewer.parts.drawing import SceneDrawing
 from stair_inspector.viewer.parts.export.part import ExportPart
 from stair_inspector.viewer.parts.frame import Frame
@@ -58,6 +59,7 @@ from stair_inspector.viewer.state.work import Work
 PARTS: tuple[type[PagePart], ...] = (
     SceneDrawing,
     Frame,
+    DockedPart,
     ScanPart,
     TunePart,
     StepsPart,

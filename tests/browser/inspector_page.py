@@ -35,8 +35,6 @@ VIEW_PANEL = (40, 820)
 OPENED = []
 """Every page that has not been closed yet."""
 _KNOWN_NOISE = ("THREE.Clock",)
-_FIRST_OF = {"Steps": "steps-table", "Tune": "histogram"}
-"""What tells that a tab shows its content."""
 _READY = """([used, state]) => {
     const text = (id) => document.querySelector(`[data-testid=${id}]`)?.innerText ?? '';
     const now = document.querySelector('[data-testid=state]')?.dataset.state;
@@ -122,9 +120,10 @@ class InspectorPage:
         self.close_notifications()
         self.home = self.still_camera()
         # A tab has no content before it is opened, and keeps it afterwards.
-        for name in ("Steps", "Tune"):
-            self.tab(name)
-            self.by_id(_FIRST_OF[name]).first.wait_for()
+        self.tab("Steps")
+        self.page.get_by_label("Selected step").first.wait_for()
+        self.tab("Tune")
+        self.by_id("histogram").first.wait_for()
         return self
 
     def close(self):
@@ -164,11 +163,9 @@ class InspectorPage:
         self.page.locator(f"[data-testid=steps][data-columns={columns}]").wait_for(state="attached")
 
     def choose_columns(self, columns):
-        """Show the survey's or the paper's columns, and come back to the Tune tab."""
-        self.tab("Steps")
-        click_at_once(self.page.get_by_role("button", name=columns.capitalize(), exact=True))
+        """Show the survey's or the paper's columns."""
+        click_at_once(self.by_id("table-view").get_by_role("button", name=columns.capitalize(), exact=True))
         self.await_columns(columns)
-        self.tab("Tune")
 
     def selected_rows(self):
         return [
@@ -333,7 +330,6 @@ class InspectorPage:
         self.by_id("toolbar").get_by_role("button", name=button, exact=True).click()
 
     def click_row(self, step):
-        self.tab("Steps")
         self.page.locator(f"[data-testid=step-row][data-step='{step}']").click()
 
     def tidy(self):
@@ -361,9 +357,9 @@ class InspectorPage:
             self.is_scene_touched = False
         # What a tab holds can be read and clicked while another is shown, once it has been opened in this connection.
         # To show it takes half a second.
-        if not self.by_id("steps").count():
+        if not self.page.get_by_label("Selected step").count():
             self.tab("Steps")
-            self.by_id("steps").wait_for()
+            self.page.get_by_label("Selected step").first.wait_for()
             self.tab("Tune")
         if self.page.get_by_label("Show rejected surfaces").is_checked():
             click_at_once(self.page.get_by_label("Show rejected surfaces"))

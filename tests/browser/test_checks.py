@@ -59,9 +59,8 @@ def await_verdict(page, rule_id, verdict):
 def marks(page, tab):
     """The signs beside the numbers of the steps in the table of a tab."""
     page.tab(tab)
-    prefix = "tune-" if tab == "Tune" else ""
-    rows = page.page.locator(f"[data-testid={prefix}step-row]:has([data-testid={prefix}mark])")
-    signs = [row.locator(f"[data-testid={prefix}mark]").inner_text() for row in rows.all()]
+    rows = page.page.locator("[data-testid=step-row]:has([data-testid=mark])")
+    signs = [row.locator("[data-testid=mark]").inner_text() for row in rows.all()]
     return dict(zip((int(row.get_attribute("data-step")) for row in rows.all()), signs, strict=True))
 
 

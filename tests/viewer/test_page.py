@@ -141,7 +141,7 @@ def test_nothing_is_done_to_a_scan_while_another_is_still_shown(serve, folder, t
     await_that(lambda: "other.ply" in (session.desk.status.error or ""), "the broken file is not said")
     assert "other.ply" in part_of(session, "frame").header.content
     assert "stair.ply" not in part_of(session, "frame").header.content
-    assert 'data-testid="step-row"' not in part_of(session, "steps").table.html.content
+    assert 'data-testid="step-row"' not in part_of(session, "docked").html.content
     assert "for these settings" not in part_of(session, "frame").state.content
     assert "Shown dimmed" not in part_of(session, "frame").state.content
     part_of(session, "scan").choose("stair.ply")

@@ -49,7 +49,7 @@ def overlay_html(content: str) -> str:
         '<div data-testid="overlay" style="position:fixed;z-index:4;pointer-events:none;border-radius:5px;'
         f"border:1px solid {LINE};color:var(--mantine-color-text);"
         'background:color-mix(in srgb, var(--mantine-color-body) 94%, transparent)">'
-        f"{content}{_lift('bottom', 460)}</div>"
+        f"{content}{_lift('bottom', 1200)}</div>"
     )
 
 

@@ -4,7 +4,6 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import viser
@@ -20,13 +19,11 @@ from stair_inspector.pictures.picture import safe_name
 from stair_inspector.pictures.segmentation import SURFACE
 from stair_inspector.units import Unit, read_unit
 from stair_inspector.viewer.bridge.notices import Notices
+from stair_inspector.viewer.parts.step_columns import USUAL_LOOK, TableLook
 from stair_inspector.viewer.scene.stage import Stage
 from stair_inspector.viewer.scene.step_marks import StepMark
 from stair_inspector.viewer.state.change import PageChange
 from stair_inspector.viewer.state.status import PageStatus
-
-Columns = Literal["survey", "paper"]
-"""Of the tables of steps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,8 +53,8 @@ class Desk:
     threads. ``selected`` is a step, ``selected_patch`` a rejected surface; never both. ``unsettled`` are notes on
     values of the last good result that hang on the settings: found afterwards, and no part of it. ``marks`` are those
     of steps that are outside a limit; see :class:`~stair_inspector.viewer.parts.judge.Judge`. ``heights`` is what
-    the last run has sorted, from which settings are suggested. ``columns`` None shows the survey's columns where there
-    are any, and ``folded`` flights list no steps. ``point_taker`` is given the points that are picked in the scene, in
+    the last run has sorted, from which settings are suggested. ``table`` is how the table of steps is looked at.
+    ``point_taker`` is given the points that are picked in the scene, in
     the scan's frame, instead of the measure tool. ``changed`` lets the parts of the page that depend on a change show
     themselves.
     """
@@ -78,8 +75,7 @@ class Desk:
     marks: Mapping[int, StepMark] = field(default_factory=dict)
     with_rejected: bool = False
     with_paper: bool = False
-    columns: Columns | None = None
-    folded: frozenset[int] = frozenset()
+    table: TableLook = USUAL_LOOK
     status: PageStatus = field(default_factory=PageStatus)
     point_taker: Callable[[tuple[float, float, float]], None] | None = None
     changed: Callable[..., None] = lambda *_: None
@@ -118,7 +114,7 @@ class Desk:
     def clear(self) -> None:
         """Forget the result of a scan that is no longer open; the lock is held."""
         self.shown = self.selected = self.selected_patch = None
-        self.unsettled, self.folded = (), frozenset()
+        self.unsettled, self.table = (), replace(self.table, folded=frozenset())
 
     def select(self, step_id: int | None, patch_id: int | None = None) -> None:
         """Choose a step or a rejected surface, or nothing.

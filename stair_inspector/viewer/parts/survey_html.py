@@ -1,11 +1,13 @@
 """The survey's part of the side table, the card of the chosen step and the list of rejected surfaces, as HTML."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from stair_inspector.files.palettes import Palette
+from stair_inspector.measured import difference
 from stair_inspector.model import Flight, Inspection, Measured, Statistics, Step
-from stair_inspector.quantities import COMPARED, IN_TABLE, with_above
+from stair_inspector.quantities import COMPARED, with_above
+from stair_inspector.quantity_types import Quantity
 from stair_inspector.stability import words_about
 from stair_inspector.units import (
     ShownUnit,
@@ -24,7 +26,6 @@ from stair_inspector.viewer.bridge.markup import (
     FLIGHT,
     LINE,
     chip,
-    hint_of,
     mm,
     pick_script,
     press_attribute,
@@ -32,22 +33,12 @@ from stair_inspector.viewer.bridge.markup import (
     text,
 )
 from stair_inspector.viewer.parts.missing import notes_on_missing, why_missing
+from stair_inspector.viewer.parts.step_columns import COVERAGE, RMS, USUAL_LOOK, Column, TableLook
 from stair_inspector.viewer.scene.step_marks import StepMark, mark_html
 
-COLUMNS = (
-    ("#", "", "Step, from bottom to top"),
-    *((each.head, each.notation.unit, hint_of(each)) for each in IN_TABLE),
-    ("RMS", "mm", "Root mean square distance of the points from their plane, in mm; it is not the accuracy"),
-    ("cov.", "", "Coverage: share of the tread that has points"),
-)
 _WORST = "#e8590c"
 """Underlines the two neighbours in a flight that differ most."""
 CELL = "text-align:right;padding:2px 3px;white-space:nowrap"
-
-
-def columns_in(unit: Unit) -> tuple[tuple[str, str, str], ...]:
-    """Return the columns with the unit of their lengths; residuals are told in millimetres at all times."""
-    return tuple((name, unit if of == "mm" and name != "RMS" else of, hint) for name, of, hint in COLUMNS)
 
 
 def survey_rows(
@@ -56,36 +47,55 @@ def survey_rows(
     selected: int | None,
     pick_uuid: str,
     unit: Unit = "mm",
-    folded: frozenset[int] = frozenset(),
+    look: TableLook = USUAL_LOOK,
     marks: Mapping[int, StepMark] | None = None,
 ) -> str:
-    """Return the rows of the survey's table: for each flight its headline, then, unless folded, a row for each step."""
+    """Return the rows of the survey's table: for each flight its headline, then, unless folded, a row for each step.
+
+    Sorted steps stand in one list, without headlines.
+    """
     marks = marks or {}
-    rows = []
+    columns = look.columns("survey")
     above = {step.step_id: other for step, other in with_above(inspection.steps)}
+    step_of = {step.step_id: step for step in inspection.steps}
+    worst_of = {flight.flight_id: _worst_of(flight, step_of) for flight in inspection.flights}
+    flight_of = {step_id: flight.flight_id for flight in inspection.flights for step_id in flight.step_ids}
+
+    def row(step: Step) -> str:
+        return _step_row(
+            inspection,
+            step,
+            above.get(step.step_id),
+            palette,
+            columns,
+            step.step_id == selected,
+            pick_uuid,
+            unit,
+            worst_of.get(flight_of.get(step.step_id, 0), {}),
+            marks.get(step.step_id),
+        )
+
+    sorted_by = look.sorted_by("survey")
+    if sorted_by is not None:
+        return "".join(map(row, in_order(inspection.steps, *sorted_by)))
+    rows = []
     for flight, steps in _by_flight(inspection):
-        is_folded = flight is not None and flight.flight_id in folded
+        is_folded = flight is not None and flight.flight_id in look.folded
         if flight is not None:
-            rows.append(_flight_row(flight, unit, pick_uuid, is_folded=is_folded))
+            rows.append(_flight_row(flight, unit, pick_uuid, 1 + len(columns), is_folded=is_folded))
         elif inspection.flights:
-            rows.append(_headline_row("In no flight", "", ""))
+            rows.append(_headline_row("In no flight", "", "", 1 + len(columns)))
         if not is_folded:
-            worst = _worst_of(flight)
-            rows += [
-                _step_row(
-                    inspection,
-                    step,
-                    above.get(step.step_id),
-                    palette,
-                    step.step_id == selected,
-                    pick_uuid,
-                    unit,
-                    worst,
-                    marks.get(step.step_id),
-                )
-                for step in steps
-            ]
+            rows += [row(step) for step in steps]
     return "".join(rows)
+
+
+def in_order(steps: Sequence[Step], column: Column, is_falling: bool) -> list[Step]:
+    """Return the steps sorted by a column; those without a value come last."""
+    values = {step.step_id: column.value(step, above) for step, above in with_above(steps)}
+    known = [(value, step) for step in steps if (value := values[step.step_id]) is not None]
+    known.sort(key=lambda pair: pair[0], reverse=is_falling)
+    return [*(step for _, step in known), *(step for step in steps if values[step.step_id] is None)]
 
 
 def flight_text(flight: Flight) -> str:
@@ -118,10 +128,19 @@ def _worst_words(statistics: Statistics, unit: Unit) -> str:
     return f"largest step to step {difference_text(statistics.max_adjacent or 0.0, unit)} ({low}→{high})"
 
 
-def _worst_of(flight: Flight | None) -> dict[str, Statistics]:
-    """Return for rise and going the statistics that name the two neighbours which differ most."""
-    found = {each.name: each.statistics_of(flight) for each in COMPARED} if flight is not None else {}
-    return {name: each for name, each in found.items() if each is not None and each.at is not None}
+def _worst_of(flight: Flight, step_of: Mapping[int, Step]) -> dict[str, Statistics]:
+    """Return for rise and going the statistics whose two neighbours differ most, where that is beyond uncertainty."""
+    worst = {}
+    for each in COMPARED:
+        statistics = each.statistics_of(flight)
+        if statistics is None or statistics.at is None:
+            continue
+        lower, upper = (each.of(step_of[step_id]) if step_id in step_of else None for step_id in statistics.at)
+        if lower is not None and upper is not None:
+            told = difference(upper, lower, each.is_chained)
+            if told.value > told.u:
+                worst[each.name] = statistics
+    return worst
 
 
 def _by_flight(inspection: Inspection) -> list[tuple[Flight | None, list[Step]]]:
@@ -135,7 +154,7 @@ def _by_flight(inspection: Inspection) -> list[tuple[Flight | None, list[Step]]]
     return [*groups, (None, rest)] if rest else groups
 
 
-def _flight_row(flight: Flight, unit: Unit, pick_uuid: str, *, is_folded: bool) -> str:
+def _flight_row(flight: Flight, unit: Unit, pick_uuid: str, n_columns: int, *, is_folded: bool) -> str:
     rise, going = range_text("rise", flight.rise, unit), range_text("going", flight.going, unit)
     width = f"width {measured_text(flight.width_m, unit)}" if flight.width_m is not None else ""
     means = (_mean("rise", flight.rise, unit), going, _mean("going", flight.going, unit))
@@ -143,18 +162,21 @@ def _flight_row(flight: Flight, unit: Unit, pick_uuid: str, *, is_folded: bool) 
     press = press_attribute(pick_script(pick_uuid, flight.flight_id, FLIGHT))
     words = f"{'unfold' if is_folded else 'fold'} flight {flight.flight_id}"
     fold = (
-        f'<button type="button" data-testid="fold" aria-expanded="{"false" if is_folded else "true"}" '
-        f'aria-label="{words}" title="{words}" {press} style="border:0;background:none;'
-        f'padding:0 4px 0 0;cursor:pointer;color:inherit;font-size:11px">{"▸" if is_folded else "▾"}</button>'
+        f'<button type="button" data-testid="fold" data-key="fold {flight.flight_id}" title="{words}" '
+        f'aria-expanded="{"false" if is_folded else "true"}" aria-label="{words}" {press} style="border:0;'
+        f'background:none;padding:0 4px 0 0;cursor:pointer;color:inherit;font-size:11px">'
+        f"{'▸' if is_folded else '▾'}</button>"
     )
-    return _headline_row(flight_text(flight), rise, hint, flight.flight_id, fold)
+    return _headline_row(flight_text(flight), rise, hint, n_columns, flight.flight_id, fold)
 
 
-def _headline_row(title: str, more: str, hint: str, flight_id: int | None = None, fold: str = "") -> str:
+def _headline_row(
+    title: str, more: str, hint: str, n_columns: int, flight_id: int | None = None, fold: str = ""
+) -> str:
     more = f' <span style="font-weight:400;color:{DIM}">· {text(more)}</span>' if more else ""
     return (
         f'<tr data-testid="flight-row" data-flight="{"" if flight_id is None else flight_id}">'
-        f'<td colspan="{len(COLUMNS)}" title="{text(hint)}" style="padding:5px 5px 2px;font-size:11px;line-height:1.3;'
+        f'<td colspan="{n_columns}" title="{text(hint)}" style="padding:5px 5px 2px;font-size:11px;line-height:1.3;'
         f'font-weight:600;border-bottom:1px solid {LINE}">{fold}{text(title)}{more}</td></tr>'
     )
 
@@ -168,6 +190,7 @@ def _step_row(
     step: Step,
     above: Step | None,
     palette: Palette,
+    columns: Sequence[Column],
     is_selected: bool,
     pick_uuid: str,
     unit: Unit,
@@ -179,24 +202,27 @@ def _step_row(
         is_worst = statistics is not None and step.step_id in (statistics.at or ())
         return f"the {name}'s {_worst_words(statistics, unit)}" if statistics is not None and is_worst else ""
 
-    cells = [
-        _cell(
-            quantity.of(step, above),
-            shown_in(quantity.unit, unit),
-            why_missing(inspection, step, quantity),
-            words_about(inspection, step.step_id, quantity),
-            (quantity.name, worst_words(quantity.name)),
-        )
-        for quantity in IN_TABLE
-    ]
-    covered = _coverage(step.coverage, notes_on_missing(inspection, step, "tread", ("coverage",)))
-    cells += [f'<td style="{CELL}">{each}</td>' for each in (mm(step.plane.rms_m, 2), covered)]
+    def cell(column: Column) -> str:
+        if isinstance(column.of, Quantity):
+            return _cell(
+                column.of.of(step, above),
+                shown_in(column.of.unit, unit),
+                why_missing(inspection, step, column.of),
+                words_about(inspection, step.step_id, column.of),
+                (column.name, worst_words(column.name)),
+            )
+        if column is COVERAGE:
+            shown = _coverage(step.coverage, notes_on_missing(inspection, step, "tread", ("coverage",)))
+        else:
+            shown = mm(step.plane.rms_m, 2) if column is RMS else f"{step.plane.n_points:,}"
+        return f'<td data-column="{column.name}" style="{CELL}">{shown}</td>'
+
     name = f' <div style="font-size:10px;color:{DIM}">landing</div>' if step.kind == "landing" else ""
     return (
         f"{row_start(pick_uuid, step.step_id, '', is_selected=is_selected)}"
         '<td style="padding:2px 4px;white-space:nowrap">'
         f"{chip(palette.of_step(step.step_id))} {step.step_id}{mark_html(mark)}{name}</td>"
-        f"{''.join(cells)}</tr>"
+        f"{''.join(map(cell, columns))}</tr>"
     )
 
 
@@ -212,15 +238,16 @@ def _cell(
     # leave no room beside them: there it stands below.
     place = "display:block" if unit == "in" else "display:inline-block;min-width:2.2em;text-align:left"
     small = f' <span style="{place};font-size:10px;color:{DIM};font-weight:400">'
+    name, words = worst
+    start = f'<td data-column="{name}" style="{CELL}" title='
     if measured is None:
-        return f'<td title="{text(why)}" style="{CELL}">–{small}</span></td>'
+        return f'{start}"{text(why)}">–{small}</span></td>'
     hint = f"{measured_text(measured, unit)} (k = 2): {parts_text(measured, unit)}"
     value, u = value_and_u(measured, unit)
     u = f"±{u}"
     if unit == "in":
         u = f"{value} {u}" if is_finer_than_a_fraction(measured.u) else u
         value = number_text(measured.value, unit)
-    name, words = worst
     if words:
         value = (
             f'<span data-testid="worst-{name}" title="{text(words)}" '
@@ -230,7 +257,7 @@ def _cell(
         # Something is in doubt that u does not hold.
         style = f"border-bottom:2px dotted {_WORST}"
         value = f'<span data-testid="unsettled" title="{text(moves)}" style="{style}">{value}</span>'
-    return f'<td title="{text(hint)}" style="{CELL}">{value}{small}{u}</span></td>'
+    return f'{start}"{text(hint)}">{value}{small}{u}</span></td>'
 
 
 def _coverage(share: float | None, why: str) -> str:

@@ -11,7 +11,7 @@ import viser
 
 from stair_inspector.pictures.cameras import Pose
 
-_ABOVE_PX, _BELOW_PX, _ASIDE_PX = 46, 76, 12
+_ABOVE_PX, _BELOW_PX, _ASIDE_PX = 46, 70, 12
 """What the toolbar above and the legend below cover of the scene, pixels."""
 _LABEL_PX = 150
 """A dimension's label may run so far to the side of its step."""

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 from stair_inspector.viewer.bridge.notices import orders_from_page
-from stair_inspector.viewer.parts import table
+from stair_inspector.viewer.parts.docked import part
 from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
 
@@ -35,8 +35,8 @@ def test_two_orders_at_once_are_both_heard():
 
 def test_two_clicks_on_rows_are_both_heard(page, session, monkeypatch):
     heard = []
-    monkeypatch.setattr(table, "pick_row", lambda desk, message: heard.append(message))
-    uuid = part_of(session, "steps").table.uuid
+    monkeypatch.setattr(part, "pick_row", lambda desk, message: heard.append(message))
+    uuid = part_of(session, "docked").uuid
     for order in ("1:1", "2:2", "1:3"):
         page._send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": order}})
     await_that(lambda: len(heard) == 3, "an order was lost")

@@ -13,7 +13,8 @@ from stair_inspector.viewer.bridge.markup import list_key, pick_script
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.desk import Desk
 from stair_inspector.viewer.parts.examination_html import CURE, examination_html, headline_html, offered_cures
-from stair_inspector.viewer.parts.step_table_html import table_html
+from stair_inspector.viewer.parts.step_columns import USUAL_LOOK
+from stair_inspector.viewer.parts.step_table_html import bar_html, table_html
 from tests.viewer.parts.test_html import HOSTILE, Page
 from tests.viewer.surveyed import PALETTE, surveyed
 
@@ -96,8 +97,8 @@ def test_texts_of_a_scan_are_never_markup(show, level):
 def test_a_withheld_table_and_its_note_say_what_is_missing_without_flags():
     held = of(ASKED)
     assert held.is_withheld
-    table = table_html(held, PALETTE, None, "pick", "survey")
-    assert "No value is given before the question above is answered." in Page(table).words
+    bar = bar_html(held, "survey", USUAL_LOOK, "pick")
+    assert "No value is given before the question about the scan is answered." in Page(bar).words
     titles = {
         cell.get("title")
         for cell in Page(

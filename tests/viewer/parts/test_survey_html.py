@@ -9,11 +9,11 @@ from stair_inspector.pictures.coloring import rejected_of
 from stair_inspector.pictures.display import REJECTED_COLOR
 from stair_inspector.pictures.segmentation import MOST_REJECTED
 from stair_inspector.viewer.bridge.markup import pick_script
-from stair_inspector.viewer.parts import survey_html
 from stair_inspector.viewer.parts.details_html import details_html
 from stair_inspector.viewer.parts.missing import LAST_OF_FLIGHT, NOT_OBSERVED
 from stair_inspector.viewer.parts.status_html import state_html
-from stair_inspector.viewer.parts.step_table_html import columns_of, table_html
+from stair_inspector.viewer.parts.step_columns import USUAL_LOOK, view_of
+from stair_inspector.viewer.parts.step_table_html import table_html
 from stair_inspector.viewer.parts.steps.card_html import card_html
 from stair_inspector.viewer.parts.steps.rejected_html import rejected_html
 from stair_inspector.viewer.parts.survey_html import flight_text, range_text
@@ -60,8 +60,9 @@ def test_every_row_has_value_and_uncertainty_of_its_step(inspection):
 @pytest.mark.parametrize("unit", ["mm", "in"])
 def test_every_row_has_the_rms_residual_of_its_step_in_millimetres(inspection, unit):
     source = table_html(inspection, PALETTE, None, "pick", "survey", unit)
-    column = [name for name, _, _ in survey_html.COLUMNS].index("RMS")
-    assert survey_html.columns_in(unit)[column][1] == "mm"
+    shown = USUAL_LOOK.columns("survey")
+    column = 1 + [each.head for each in shown].index("RMS")
+    assert shown[column - 1].unit_in(unit) == "mm"
     for step, row in zip(inspection.steps, rows_of(source), strict=True):
         assert row[column] == f"{1000.0 * step.plane.rms_m:.2f}"
     bare = dataclasses.replace(inspection.steps[0], plane=dataclasses.replace(inspection.steps[0].plane, rms_m=None))
@@ -198,14 +199,14 @@ def test_rows_of_the_survey_are_chosen_like_those_of_the_paper(inspection):
 def test_the_columns_are_the_surveys_where_it_was_made_unless_the_papers_are_wanted(inspection):
     paper = dataclasses.replace(inspection, params=inspection.params.replaced("method", "paper"))
     without = dataclasses.replace(inspection, flights=())
-    assert [columns_of(result, None) for result in (inspection, paper, without, None)] == [
+    assert [view_of(result, None) for result in (inspection, paper, without, None)] == [
         "survey",
         "paper",
         "paper",
-        "paper",
+        "survey",
     ]
-    assert columns_of(inspection, "paper") == "paper"
-    assert columns_of(paper, "survey") == "paper"
+    assert view_of(inspection, "paper") == "paper"
+    assert view_of(paper, "survey") == "paper"
 
 
 def test_a_survey_without_steps_says_so(inspection):

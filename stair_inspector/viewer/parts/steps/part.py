@@ -16,7 +16,7 @@ from stair_inspector.viewer.parts.steps.rejected_html import rejected_html
 from stair_inspector.viewer.parts.steps.settling import Settling
 from stair_inspector.viewer.parts.steps.step_pictures import card_pictures
 from stair_inspector.viewer.parts.steps.verdicts import Verdicts
-from stair_inspector.viewer.parts.table import NO_STEP, TABLE_CHANGES, StepTable, read_choice
+from stair_inspector.viewer.parts.table import NO_STEP, TABLE_CHANGES, pick_row, read_choice
 from stair_inspector.viewer.scene.dimensions import dimensions_of
 from stair_inspector.viewer.scene.stage import HIGHLIGHT
 from stair_inspector.viewer.state.change import PageChange
@@ -37,7 +37,6 @@ class StepsPart(PagePart):
     def __init__(self, context: Context) -> None:
         self._desk = desk = context.desk
         widgets = context.widgets
-        self.table = StepTable(context)
         self.selected = widgets.dropdown(
             "Selected step",
             (NO_STEP,),
@@ -54,16 +53,16 @@ class StepsPart(PagePart):
             on_change=self.set_rejected,
         )
         self.rejected = widgets.html()
+        self._picked = widgets.orders("Picked surface", lambda message: pick_row(desk, message))
         self.settling = Settling(context)
 
     def show(self, what: frozenset[PageChange]) -> None:
-        """Show the table, and everything about the chosen step or surface."""
+        """Show everything about the chosen step or surface."""
         if what == {PageChange.REST}:
             self.show_pictures()
             return
         if PageChange.RESULT in what:
             self.settling.renew()
-        self.table.show()
         shown = self._desk.shown
         if shown is None:
             self._show_nothing()
@@ -122,7 +121,7 @@ class StepsPart(PagePart):
             inspection,
             REJECTED_COLOR,
             desk.selected_patch,
-            self.table.uuid,
+            self._picked,
             is_shown=desk.with_rejected and is_survey,
         )
         steps = (str(step.step_id) for step in inspection.steps)

@@ -1,4 +1,4 @@
-"""The Tune tab: presets, undo, the settings' sliders, the height histogram, the table, and what to compare with."""
+"""The Tune tab: presets, undo, the settings' sliders, the height histogram, and what to compare with."""
 
 import viser
 
@@ -7,7 +7,6 @@ from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.reach_drag import REACH
 from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.parts.part import Context, PagePart
-from stair_inspector.viewer.parts.table import TABLE_CHANGES, StepTable
 from stair_inspector.viewer.parts.tune.histogram import histogram_html
 from stair_inspector.viewer.parts.tune.paper_edges import PaperEdges
 from stair_inspector.viewer.parts.tune.presets import Presets
@@ -23,7 +22,7 @@ class TunePart(PagePart):
 
     title = "Tune"
     icon = viser.Icon.ADJUSTMENTS_HORIZONTAL
-    depends_on = TABLE_CHANGES | {PageChange.HISTORY}
+    depends_on = frozenset({PageChange.WORK, PageChange.HISTORY, PageChange.RESULT, PageChange.UNIT, PageChange.THEME})
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -42,8 +41,6 @@ class TunePart(PagePart):
         self.histogram = widgets.html()
         self._reach = widgets.orders("Reach", self.take_reach)
         controls.add_place("heights")
-        # What a slider does must be seen beside it.
-        self.table = StepTable(context, prefix="tune-")
         with widgets.folder("Survey", is_open=False):
             controls.add_place("survey")
         with widgets.folder("More settings", is_open=False):
@@ -59,8 +56,6 @@ class TunePart(PagePart):
         if what & {PageChange.WORK, PageChange.HISTORY}:
             self.paper_edges.follow(is_slider=PageChange.WORK not in what)
             self._show_history()
-        if what & TABLE_CHANGES:
-            self.table.show()
         if what & {PageChange.RESULT, PageChange.THEME}:
             self.histogram.content = histogram_html(self._desk.inspection, self._desk.palette, self._reach)
         if PageChange.RESULT in what:
