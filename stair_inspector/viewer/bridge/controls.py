@@ -1,7 +1,7 @@
 """The controls that hold settings: made from the settings' own declarations, read back and checked by their rules."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from itertools import groupby
 from typing import Any, Literal, cast, get_args, get_origin
 
@@ -11,7 +11,7 @@ from stair_inspector.declarations import Place
 from stair_inspector.errors import ConfigError
 from stair_inspector.overrules import NAMED_UP, ForcedKind, with_decision
 from stair_inspector.params import GROUPS, SETTINGS, Params
-from stair_inspector.viewer.bridge.handles import Setter
+from stair_inspector.viewer.bridge.handles import Setter, uuid_of
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.notices import from_page
 
@@ -152,6 +152,15 @@ class SettingControls:
                 control.value = self._submitted[name] = params.value(name)
             else:
                 control.value = params.value(name)
+
+    def dimmed(self, names: Collection[str]) -> str:
+        """Return the style that dims the controls of these settings; they work as before."""
+        rows = ",".join(
+            f'.mantine-Flex-root:has(>*>*>label[for="{uuid_of(self._controls[name])}"])'
+            for name in names
+            if name in self._controls
+        )
+        return f"<style>{rows}{{opacity:.55}}</style>" if rows else ""
 
     def submit_texts(self, *names: str) -> None:
         """Let what is written in these text fields count; in all of them without a name."""

@@ -3,12 +3,14 @@
 import viser
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.viewer.bridge.markup import DIM, text
+from stair_inspector.params import SETTINGS
+from stair_inspector.viewer.bridge.markup import DIM, aside, text
 from stair_inspector.viewer.bridge.reach_drag import REACH
 from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.parts.part import Context, PagePart
+from stair_inspector.viewer.parts.step_columns import view_of
 from stair_inspector.viewer.parts.tune.histogram import histogram_html
-from stair_inspector.viewer.parts.tune.paper_edges import PaperEdges
+from stair_inspector.viewer.parts.tune.paper_edges import PAPER_ONLY, PaperEdges
 from stair_inspector.viewer.parts.tune.presets import Presets
 from stair_inspector.viewer.parts.tune.runs import RunComparison
 from stair_inspector.viewer.parts.tune.sweeping import SweepTool
@@ -22,7 +24,9 @@ class TunePart(PagePart):
 
     title = "Tune"
     icon = viser.Icon.ADJUSTMENTS_HORIZONTAL
-    depends_on = frozenset({PageChange.WORK, PageChange.HISTORY, PageChange.RESULT, PageChange.UNIT, PageChange.THEME})
+    depends_on = frozenset(
+        {PageChange.WORK, PageChange.HISTORY, PageChange.RESULT, PageChange.UNIT, PageChange.THEME, PageChange.TABLE}
+    )
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -38,6 +42,7 @@ class TunePart(PagePart):
         )
         self.changes = widgets.html()
         controls.add_place("tune")
+        self.acts_on = widgets.html()
         self.histogram = widgets.html()
         self._reach = widgets.orders("Reach", self.take_reach)
         controls.add_place("heights")
@@ -56,6 +61,8 @@ class TunePart(PagePart):
         if what & {PageChange.WORK, PageChange.HISTORY}:
             self.paper_edges.follow(is_slider=PageChange.WORK not in what)
             self._show_history()
+        if what & {PageChange.RESULT, PageChange.TABLE}:
+            self._show_what_acts()
         if what & {PageChange.RESULT, PageChange.THEME}:
             self.histogram.content = histogram_html(self._desk.inspection, self._desk.palette, self._reach)
         if PageChange.RESULT in what:
@@ -93,6 +100,15 @@ class TunePart(PagePart):
         if word != REACH or not value.isdecimal() or len(value) > 6:
             raise ConfigError(f"ε_z: got {value[:40]!r}; give a whole number of millimetres")
         self._editor.adjust(lambda params: params.replaced("levels.eps_m", int(value) / 1000.0))
+
+    def _show_what_acts(self) -> None:
+        """Dim the sliders that change nothing in the table as it is shown, and say so."""
+        view = view_of(self._desk.inspection, self._desk.table.view)
+        names, words = {
+            "survey": (PAPER_ONLY, "Dimmed: acts on the paper's columns and edges alone."),
+            "paper": (SETTINGS.at("survey"), "The sliders under Survey act on the survey's columns alone."),
+        }[view]
+        self.acts_on.content = aside("acts-on", words, "0 9px 2px") + self._editor.controls.dimmed(names)
 
     def _show_history(self) -> None:
         history = self._context.keeper.history
