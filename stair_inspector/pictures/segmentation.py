@@ -15,6 +15,8 @@ SURFACE = "surface"
 MOST_REJECTED = 30
 """Rejected surfaces that are listed and named in the scene, the largest; a cluttered scan has hundreds."""
 _BESIDE_M = 0.1
+_FAR_OUT = 0.15
+"""So far beyond 99 % of the points, as a share of their reach, a picture still shows others: not a lost reflection."""
 
 
 _GROUND_SHARE = 0.7
@@ -150,6 +152,9 @@ def is_left_hidden(inspection: Inspection, display: Display) -> bool:
 
 
 def extent_of(points: Floats) -> Floats:
-    """Return the eight corners (8, 3) of the box around all but the outermost points."""
-    low, high = np.percentile(points, [0.5, 99.5], axis=0)
+    """Return the eight corners (8, 3) of the box around the points, but for those that lie far from nearly all."""
+    inner_low, inner_high = np.percentile(points, [0.5, 99.5], axis=0)
+    reach = _FAR_OUT * (inner_high - inner_low)
+    low = np.maximum(points.min(axis=0), inner_low - reach)
+    high = np.minimum(points.max(axis=0), inner_high + reach)
     return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])

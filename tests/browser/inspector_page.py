@@ -89,6 +89,11 @@ def click_at_once(element):
     element.evaluate("(element) => element.click()")
 
 
+def share_of(color, picture, within=6):
+    """Share of the pixels within a few levels of a colour."""
+    return float((np.abs(picture - np.array(color)).max(axis=2) <= within).mean())
+
+
 def share_changed(before, after):
     """Share of the pixels that differ plainly between two pictures."""
     return float((np.abs(before - after).max(axis=2) > 24).mean())

@@ -5,14 +5,9 @@ import pytest
 
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.pictures.segmentation import ground_of
-from tests.browser.inspector_page import VIEW_PANEL, share_changed
+from tests.browser.inspector_page import VIEW_PANEL, share_changed, share_of
 
 PALETTE = read_palette("page")
-
-
-def share_of(color, picture, within=6):
-    """Share of the pixels within a few levels of a colour."""
-    return float((np.abs(picture - np.array(color)).max(axis=2) <= within).mean())
 
 
 def test_the_steps_are_drawn_in_the_palettes_colours(page):
@@ -135,8 +130,9 @@ def test_the_selection_survives_a_slider_and_goes_when_its_step_goes(page):
 @pytest.mark.slow
 def test_the_dark_theme_is_dark(page):
     def background():
-        return page.by_id("steps").evaluate(
-            "(element) => { for (let e = element; e; e = e.parentElement) {"
+        # Looked for at once: the table takes its place anew with every change.
+        return page.page.evaluate(
+            "() => { for (let e = document.querySelector('[data-testid=steps]'); e; e = e.parentElement) {"
             " const color = getComputedStyle(e).backgroundColor;"
             " if (color !== 'rgba(0, 0, 0, 0)') return Math.max(...color.match(/\\d+/g).slice(0, 3).map(Number)); }"
             " return 255; }"

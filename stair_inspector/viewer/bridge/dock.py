@@ -6,15 +6,14 @@ replaced at every result: how far it is scrolled, which row has the keyboard, wh
 and whether it is folded. Cells whose text is another one than before are marked for a moment.
 """
 
-from stair_inspector.viewer.bridge.markup import LINE, press_attribute, script_html, text
+from stair_inspector.viewer.bridge.markup import LINE, page_script, press_attribute, text
 
 _ID = "stair-inspector-dock"
 _HEIGHT = "--si-dock"
-_FOLDED = "si-dock-folded"
+_FOLDED = "stair-inspector-folded"
 _LOWEST_PX = 60
 _SHARE = 0.37
 """Of the page's height, at most; until its upper edge is dragged."""
-_MARKED_MS = 2500
 BODY = "dock-body"
 """``data-testid`` of what is scrolled, and put away when it is folded."""
 _STYLE = (
@@ -22,9 +21,9 @@ _STYLE = (
     f"#{_ID} [data-testid={BODY}]{{overflow:auto;overscroll-behavior:contain;"
     f"max-height:var({_HEIGHT}-most,max({100 * _SHARE:g}vh - 30px,{_LOWEST_PX}px))}}"
     f".{_FOLDED} #{_ID} [data-testid={BODY}]{{display:none}}"
-    f".{_FOLDED} #{_ID} [data-fold]{{transform:rotate(-90deg)}}"
+    f".{_FOLDED} #{_ID} [data-testid=dock-fold]{{transform:rotate(-90deg)}}"
     f"#{_ID} th{{background:var(--mantine-color-body);z-index:1}}"
-    "@keyframes si-new{from{background:rgba(250,176,5,.55)}to{background:transparent}}</style>"
+    "@keyframes stair-inspector-changed{from{background:rgba(250,176,5,.55)}to{background:transparent}}</style>"
 )
 
 
@@ -42,17 +41,17 @@ def docked_html(bar: str, body: str, same: str, label: str) -> str:
     """
     fold = press_attribute(
         f"const r=document.documentElement.classList,f=r.toggle('{_FOLDED}');"
-        "this.setAttribute('aria-expanded',!f);window.dispatchEvent(new Event('si-dock'))"
+        "this.setAttribute('aria-expanded',!f);window.dispatchEvent(new Event('stair-inspector-dock'))"
     )
     return (
         f'<div data-testid="dock" role="region" aria-label="{text(label)}" data-same="{text(same)}" '
         'style="position:fixed;bottom:0;z-index:4;box-sizing:border-box;color:var(--mantine-color-text);'
         f'background:var(--mantine-color-body);border-top:1px solid {LINE}">{_handle()}'
         '<div style="display:flex;align-items:center;gap:8px;padding:0 10px 2px 6px;font-size:12px;min-height:26px">'
-        f'<button type="button" data-fold="1" data-testid="dock-fold" aria-label="Fold {text(label.lower())}" '
+        f'<button type="button" data-testid="dock-fold" aria-label="Fold {text(label.lower())}" '
         f'title="Fold or unfold" aria-expanded="true" {fold} style="border:0;background:none;cursor:pointer;'
         f'color:inherit;padding:2px 4px">▾</button>{bar}</div>'
-        f'<div data-testid="{BODY}" style="padding:0 4px 0 6px">{body}</div>{script_html(_SCRIPT)}</div>{_STYLE}'
+        f'<div data-testid="{BODY}" style="padding:0 4px 0 6px">{body}</div>{page_script("dock")}</div>{_STYLE}'
     )
 
 
@@ -77,37 +76,10 @@ def _handle() -> str:
     move = (
         f"if(this._y!==undefined){{const h=Math.min(Math.max(this._h+this._y-event.clientY,{_LOWEST_PX}),"
         f"innerHeight*.75);document.documentElement.style.setProperty('{_HEIGHT}-most',h+'px');"
-        "window.dispatchEvent(new Event('si-dock'))}"
+        "window.dispatchEvent(new Event('stair-inspector-dock'))}"
     )
     return (
         f'<div data-testid="dock-edge" onpointerdown="{text(begin)}" onpointermove="{text(move)}" '
         'onpointerup="this._y=undefined" style="position:absolute;top:-4px;left:0;right:0;height:8px;'
         'cursor:ns-resize;touch-action:none"></div>'
     )
-
-
-_SCRIPT = (
-    "(i=>{const e=i.parentElement,root=document.documentElement,"
-    f"old=document.getElementById('{_ID}'),body=n=>n.querySelector('[data-testid={BODY}]'),"
-    "place=()=>{if(!e.isConnected){clearInterval(timer);removeEventListener('si-dock',place);return}"
-    "const c=document.querySelector('canvas[data-engine]');if(!c)return;const r=c.getBoundingClientRect();"
-    "e.style.left=r.left+'px';e.style.width=r.width+'px';"
-    f"root.style.setProperty('{_HEIGHT}',e.offsetHeight+'px')}};"
-    "const cells=n=>new Map([...n.querySelectorAll('tr[data-step] td[data-column]')].map("
-    "c=>[c.parentElement.dataset.step+' '+c.dataset.column,c]));"
-    "const chosen=n=>n.querySelector('tr[aria-selected=true]')?.dataset.step;"
-    "let top=0,focus,held,was;if(old){top=body(old).scrollTop;was=chosen(old);"
-    "focus=document.activeElement;held=old.contains(focus)?(focus.closest('tr[data-step]')?"
-    '`tr[data-step="${focus.dataset.step}"]`:focus.dataset.key?`[data-key="${focus.dataset.key}"]`:null):null;'
-    "for(const d of old.querySelectorAll('details[open][data-keep]'))"
-    '{const n=e.querySelector(`details[data-keep="${d.dataset.keep}"]`);if(n)n.open=true}'
-    "if(old.dataset.same===e.dataset.same){const before=cells(old),now=Date.now();for(const [k,n] of cells(e))"
-    "{const o=before.get(k);if(!o)continue;const t=o.textContent===n.textContent?+(o.dataset.since||0):now;"
-    f"if(now-t<{_MARKED_MS}){{n.dataset.since=t;n.style.animation=`si-new {_MARKED_MS}ms ${{t-now}}ms`}}}}}}"
-    f"old.remove()}}e.id='{_ID}';document.body.appendChild(e);body(e).scrollTop=top;"
-    f"e.querySelector('[data-fold]').setAttribute('aria-expanded',!root.classList.contains('{_FOLDED}'));"
-    "if(held)e.querySelector(held)?.focus({preventScroll:true});"
-    "const row=chosen(e);if(row!==undefined&&row!==was)"
-    "e.querySelector('tr[aria-selected=true]').scrollIntoView({block:'nearest'});"
-    "addEventListener('si-dock',place);const timer=setInterval(place,300);place()})(this)"
-)

@@ -4,6 +4,8 @@ import html
 import json
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Rgb
@@ -90,6 +92,16 @@ def script_html(script: str) -> str:
     A page runs no script that is put into it later, but tells a picture that it has been loaded.
     """
     return f'<img alt="" src="{_NOTHING}" style="display:none" onload="{text(script)}">'
+
+
+@cache
+def _source_of(name: str) -> str:
+    return (Path(__file__).parent / f"{name}.js").read_text(encoding="utf-8").strip()
+
+
+def page_script(name: str, *arguments: object) -> str:
+    """Return what runs ``NAME.js`` of this room once: a function of the picture that runs it, and of the arguments."""
+    return script_html(f"{_source_of(name)}({','.join(['this', *map(json.dumps, arguments)])})")
 
 
 def title_html(title: str) -> str:

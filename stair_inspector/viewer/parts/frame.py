@@ -10,16 +10,18 @@ from stair_inspector.viewer.bridge.markup import title_html
 from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_html
 from stair_inspector.viewer.bridge.shortcuts import keys_html
 from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR
+from stair_inspector.viewer.bridge.two_views import Arrangement, two_views_html
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import headline_html
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.parts.status_html import header_html, state_html
 from stair_inspector.viewer.scene.legends import colour_legend_html, legend_html
-from stair_inspector.viewer.scene.stage import MODES
+from stair_inspector.viewer.scene.stage import MODES, RAW, SEGMENTS, Mode
 from stair_inspector.viewer.state.change import PageChange
 
 WIDTH = 484
 """Of the panel, pixels."""
+_ARRANGEMENTS: dict[Mode, Arrangement] = {"Side by side": "halves", "Swipe": "swipe"}
 _BRAND = (24, 110, 160)
 
 
@@ -40,6 +42,7 @@ class Frame(PagePart):
         self._title = widgets.html()
         self.toolbar = widgets.html()
         self.legend = widgets.html()
+        self._two_views = widgets.html()
         self.header = widgets.html()
         self.state = widgets.html()
         self.examination = widgets.html()
@@ -67,6 +70,7 @@ class Frame(PagePart):
         if what - {PageChange.STATUS, PageChange.SETTLED}:
             self._show_legend()
             self._show_toolbar()
+            self._show_views()
 
     def obey(self, message: str) -> None:
         """Do what a button of the toolbar asks for."""
@@ -125,6 +129,13 @@ class Frame(PagePart):
         if self.legend.content != content:
             self.legend.content = content
 
+    def _show_views(self) -> None:
+        """Draw the scene once, or the raw cloud and the segmentation in parts of their own."""
+        arrangement = _ARRANGEMENTS.get(self._desk.stage.mode, "one")
+        content = two_views_html(arrangement, RAW, SEGMENTS, ("Raw", "Segmented"))
+        if self._two_views.content != content:
+            self._two_views.content = content
+
     def _show_toolbar(self) -> None:
         """Show the buttons over the scene, and which of them are on."""
         desk = self._desk
@@ -132,7 +143,7 @@ class Frame(PagePart):
             self._orders,
             (
                 tuple(
-                    Tool(mode, f"Show: {mode} (key {key})", f"mode {mode}", mode == desk.stage.mode)
+                    Tool(mode, f"Show: {mode} (key {key % 10})", f"mode {mode}", mode == desk.stage.mode)
                     for key, mode in enumerate(MODES, start=7)
                 ),
                 tuple(Tool(view, f"View: {view} (key {key})", f"view {view}") for key, view in enumerate(VIEWS, 1)),

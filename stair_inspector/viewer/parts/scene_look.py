@@ -28,7 +28,7 @@ from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.legends import Legend
 from stair_inspector.pictures.segmentation import SegmentedScene, draw, is_left_hidden, view_from_local
 from stair_inspector.viewer.parts.desk import Desk, Shown
-from stair_inspector.viewer.scene.framing import beside, free_part, page_camera, place_camera, raised
+from stair_inspector.viewer.scene.framing import free_part, page_camera, place_camera, raised
 from stair_inspector.viewer.scene.stage import MODES
 from stair_inspector.viewer.state.change import PageChange
 
@@ -37,6 +37,8 @@ _LARGEST_DISC = 1.0 / 150.0
 """Largest diameter of a drawn point, as a share of the scan's diagonal: a wrong unit must not fill the screen."""
 _FEWEST_POINTS = 1000
 _USUAL_ASPECT = 1.5
+_MOST_AROUND = 2.0
+"""A scan up to so many times as large as its stair is shown whole."""
 _AROUND_STAIR_M = 1.0
 """Room around the stair in a standard view: floor in front of it and what stands beside it."""
 
@@ -64,8 +66,6 @@ class SceneLook:
         self.gone_to: tuple[Pose, float] | None = None
         # While pictures are taken: where the inspector's camera stands, and its angle of view.
         self._lent_from: tuple[Pose, float] | None = None
-        # How the camera stood before the clouds stood side by side, and where it was put then.
-        self._apart: tuple[Pose, Floats] | None = None
         self.is_ortho = False
         self.color_mode: ColorMode = "Step"
         self.is_shaded = False
@@ -173,12 +173,12 @@ class SceneLook:
             self._desk.changed(PageChange.MODE)
 
     def set_mode(self, option: str) -> None:
-        """Show the raw cloud, the steps, or both side by side; the camera goes on looking at the same spot."""
+        """Show the raw cloud, the steps, or both; a framed view is framed anew, as each half must hold all of it."""
         known = one_of(option, MODES, "view")
-        stage = self._desk.stage
-        before_m = stage.shift_m()
-        stage.set_mode(known)
-        self._follow(stage.shift_m() - before_m)
+        framed = self._framed
+        self._desk.stage.set_mode(known)
+        if framed is not None and self._stands_at(framed.position):
+            self.look(framed.view, is_whole=framed.is_whole)
 
     def set_view(self, option: str) -> None:
         """Stand back from a side of the staircase."""
@@ -226,7 +226,9 @@ class SceneLook:
         if shown is None:
             return
         camera = self._desk.client.camera
-        free = free_part(camera.image_width, camera.image_height, self.fov_rad, with_labels=isinstance(view, int))
+        # Side by side, each cloud has half of the width.
+        width = camera.image_width // (2 if self._desk.stage.mode == "Side by side" else 1)
+        free = free_part(width, camera.image_height, self.fov_rad, with_labels=isinstance(view, int))
         pose = self.pose_of(shown, view, free.aspect, fov_rad=free.fov_rad, is_whole=is_whole)
         pose = raised(pose, free.raised * math.tan(self.fov_rad / 2.0))
         self.go_to(pose, self.fov_rad)
@@ -240,12 +242,11 @@ class SceneLook:
         # The view stays where it was turned for this scan; its axes may since have been found elsewhere.
         turn = stage.rotation @ view_from_local(inspection).T
         step = step_of(inspection, view) if isinstance(view, int) else None
-        extent = stage.visible_extent() if is_whole else self._stair_extent(inspection)
+        extent = stage.extent if is_whole else self._stair_extent(inspection)
         standard: View = "Home"
         if step is not None:
             climb = view_from_local(inspection)[1]
             extent, turn = step_frame(step, inspection.up.vector, climb, stage.rotation)
-            extent = extent + np.array([stage.shift_m(), 0.0, 0.0])
         elif not isinstance(view, int):
             standard = view
         return frame_view(
@@ -274,7 +275,7 @@ class SceneLook:
     def go_to(self, pose: Pose, fov_rad: float) -> None:
         """Put the camera somewhere."""
         camera = self._desk.client.camera
-        near, far = clip_range(pose, self._desk.stage.visible_extent())
+        near, far = clip_range(pose, self._desk.stage.extent)
         with self._desk.client.atomic():
             camera.near, camera.far = near, far
             place_camera(self._desk.client, pose, fov_rad)
@@ -310,39 +311,22 @@ class SceneLook:
     def _stands_at(self, position: Floats) -> bool:
         return np.allclose(self.pose().position, position, atol=1e-3)
 
-    def _follow(self, moved_m: float) -> None:
-        """Look at the same spot after the steps have moved aside, or back, by so many metres."""
-        if moved_m == 0.0:
-            return
-        apart, self._apart = self._apart, None
-        framed = self._framed
-        if framed is not None and self._stands_at(framed.position):
-            self.look(framed.view, is_whole=framed.is_whole)
-            return
-        before, fov_rad = self.camera()
-        if moved_m < 0.0 and apart is not None and self._stands_at(apart[1]):
-            self.go_to(apart[0], fov_rad)
-            return
-        pose = beside(before, moved_m, self.aspect, fov_rad)
-        self.go_to(pose, fov_rad)
-        if moved_m > 0.0:
-            self._apart = (before, pose.position)
-
     def _stair_extent(self, inspection: Inspection) -> Floats:
         """Return the corners (n, 3) of a box around the stair with some of what is around it, as the mode shows it.
 
-        A scan may reach much farther than its stair, which would be a speck in a view of everything.
+        A scan may reach much farther than its stair, which would be a speck in a view of everything; where it does
+        not, all of it is shown.
         """
         stage = self._desk.stage
-        whole = stage.visible_extent()
+        whole = stage.extent
         if not inspection.steps:
             return whole
         corners = np.concatenate([step.corners for step in inspection.steps]) @ stage.rotation.T
         box = np.array([corners.min(axis=0) - _AROUND_STAIR_M, corners.max(axis=0) + _AROUND_STAIR_M])
         box = np.clip(box, stage.extent.min(axis=0), stage.extent.max(axis=0))
-        extent = np.array([[x, y, z] for x in box[:, 0] for y in box[:, 1] for z in box[:, 2]])
-        shift_m = stage.shift_m()
-        return extent if shift_m == 0.0 else np.vstack([extent, extent + np.array([shift_m, 0.0, 0.0])])
+        if np.linalg.norm(np.ptp(whole, axis=0)) <= _MOST_AROUND * np.linalg.norm(np.ptp(box, axis=0)):
+            return whole
+        return np.array([[x, y, z] for x in box[:, 0] for y in box[:, 1] for z in box[:, 2]])
 
 
 def _pitch_of(inspection: Inspection) -> float:

@@ -17,9 +17,9 @@ from stair_inspector.viewer.parts.step_columns import (
     RMS,
     USUAL_LOOK,
     VIEWS,
-    Column,
+    StepColumn,
     TableLook,
-    View,
+    TableView,
 )
 from stair_inspector.viewer.scene.step_marks import StepMark, mark_html
 
@@ -29,7 +29,7 @@ def table_html(
     palette: Palette,
     selected: int | None,
     pick_uuid: str,
-    view: View = "paper",
+    view: TableView = "paper",
     unit: Unit = "mm",
     look: TableLook = USUAL_LOOK,
     marks: Mapping[int, StepMark] | None = None,
@@ -72,7 +72,7 @@ def table_html(
     )
 
 
-def bar_html(inspection: Inspection | None, view: View, look: TableLook, pick_uuid: str) -> str:
+def bar_html(inspection: Inspection | None, view: TableView, look: TableLook, pick_uuid: str) -> str:
     """Return the line over the table: whose values, which columns, and what the signs in it mean.
 
     Parameters
@@ -112,7 +112,7 @@ def bar_html(inspection: Inspection | None, view: View, look: TableLook, pick_uu
     )
 
 
-def _words(inspection: Inspection | None, view: View) -> str:
+def _words(inspection: Inspection | None, view: TableView) -> str:
     if inspection is None or not inspection.steps:
         return ""
     if view == "paper":
@@ -136,11 +136,11 @@ def _button(pick_uuid: str, order: str, words: str, more: str) -> str:
     )
 
 
-def _head(columns: tuple[Column, ...], view: View, unit: Unit, look: TableLook, pick_uuid: str) -> str:
+def _head(columns: tuple[StepColumn, ...], view: TableView, unit: Unit, look: TableLook, pick_uuid: str) -> str:
     """Return the head; a click on a column sorts the steps by it."""
     sorted_by = look.sorted_by(view)
 
-    def cell(column: Column) -> str:
+    def cell(column: StepColumn) -> str:
         is_sorted = sorted_by is not None and sorted_by[0] is column
         falls = is_sorted and sorted_by is not None and sorted_by[1]
         sign = (" ▼" if falls else " ▲") if is_sorted else ""
@@ -165,7 +165,7 @@ def _head(columns: tuple[Column, ...], view: View, unit: Unit, look: TableLook, 
 _CELL = "text-align:right;padding:2px 6px"
 
 
-def _floor_row(floor: PlaneFit, h_m: float | None, palette: Palette, columns: tuple[Column, ...]) -> str:
+def _floor_row(floor: PlaneFit, h_m: float | None, palette: Palette, columns: tuple[StepColumn, ...]) -> str:
     known = {"h": mm(h_m), POINTS.name: f"{floor.n_points:,}", RMS.name: mm(floor.rms_m, 2)}
     body = "".join(f'<td style="{_CELL}">{known.get(column.name, "")}</td>' for column in columns)
     return (
@@ -195,9 +195,14 @@ def _paper_rows(
 
 
 def _step_row(
-    step: Step, palette: Palette, columns: tuple[Column, ...], is_selected: bool, pick_uuid: str, mark: StepMark | None
+    step: Step,
+    palette: Palette,
+    columns: tuple[StepColumn, ...],
+    is_selected: bool,
+    pick_uuid: str,
+    mark: StepMark | None,
 ) -> str:
-    def shown(column: Column) -> str:
+    def shown(column: StepColumn) -> str:
         if isinstance(column.of, PaperQuantity):
             value, unit = column.of.of_paper(step.paper), column.of.unit
             return number_text(value, shown_in(unit, "mm"), 1 if unit == "m" else 2)

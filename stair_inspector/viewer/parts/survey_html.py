@@ -33,7 +33,7 @@ from stair_inspector.viewer.bridge.markup import (
     text,
 )
 from stair_inspector.viewer.parts.missing import notes_on_missing, why_missing
-from stair_inspector.viewer.parts.step_columns import COVERAGE, RMS, USUAL_LOOK, Column, TableLook
+from stair_inspector.viewer.parts.step_columns import COVERAGE, RMS, USUAL_LOOK, StepColumn, TableLook
 from stair_inspector.viewer.scene.step_marks import StepMark, mark_html
 
 _WORST = "#e8590c"
@@ -90,7 +90,7 @@ def survey_rows(
     return "".join(rows)
 
 
-def in_order(steps: Sequence[Step], column: Column, is_falling: bool) -> list[Step]:
+def in_order(steps: Sequence[Step], column: StepColumn, is_falling: bool) -> list[Step]:
     """Return the steps sorted by a column; those without a value come last."""
     values = {step.step_id: column.value(step, above) for step, above in with_above(steps)}
     known = [(value, step) for step in steps if (value := values[step.step_id]) is not None]
@@ -190,7 +190,7 @@ def _step_row(
     step: Step,
     above: Step | None,
     palette: Palette,
-    columns: Sequence[Column],
+    columns: Sequence[StepColumn],
     is_selected: bool,
     pick_uuid: str,
     unit: Unit,
@@ -202,7 +202,7 @@ def _step_row(
         is_worst = statistics is not None and step.step_id in (statistics.at or ())
         return f"the {name}'s {_worst_words(statistics, unit)}" if statistics is not None and is_worst else ""
 
-    def cell(column: Column) -> str:
+    def cell(column: StepColumn) -> str:
         if isinstance(column.of, Quantity):
             return _cell(
                 column.of.of(step, above),

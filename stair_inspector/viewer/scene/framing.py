@@ -1,4 +1,4 @@
-"""Placing the camera on the page: around what lies over the scene, and for two clouds side by side.
+"""Placing the camera on the page: around what lies over the scene.
 
 Coordinates of the view; see :mod:`stair_inspector.pictures.cameras`.
 """
@@ -17,8 +17,6 @@ _LABEL_PX = 150
 """A dimension's label may run so far to the side of its step."""
 _SMALLEST_PX = 300
 """A scene smaller than this is used as it is."""
-_BESIDE = 1.5
-"""Room for two spots side by side, in their distance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,24 +61,6 @@ def raised(pose: Pose, share: float) -> Pose:
     down = np.cross(right, away)
     move = share * distance * down / np.linalg.norm(down)
     return Pose(pose.position + move, pose.look_at + move, pose.up)
-
-
-def beside(pose: Pose, moved_m: float, aspect: float, fov_rad: float) -> Pose:
-    """Return the camera that sees a spot and the same spot ``moved_m`` to the right (x) beside it.
-
-    With a negative distance the two come together again: the camera moves back without coming nearer.
-    """
-    half = np.array([moved_m / 2.0, 0.0, 0.0])
-    away = pose.position - pose.look_at
-    distance = float(np.linalg.norm(away))
-    away /= distance
-    if moved_m > 0.0:
-        right = np.cross(pose.up, away)
-        right /= np.linalg.norm(right)
-        wide = _BESIDE * abs(float(half @ right)) / (math.tan(fov_rad / 2.0) * max(aspect, 0.1))
-        distance = max(distance, wide + abs(float(half @ away)))
-    target = pose.look_at + half
-    return Pose(target + distance * away, target, pose.up)
 
 
 def page_camera(client: viser.ClientHandle) -> tuple[Pose, float]:

@@ -38,9 +38,7 @@ class Pick:
     residual_m: float | None
 
 
-def ray_of(
-    origin: tuple[float, float, float], direction: tuple[float, float, float], rotation: Floats, shift_m: float = 0.0
-) -> Ray:
+def ray_of(origin: tuple[float, float, float], direction: tuple[float, float, float], rotation: Floats) -> Ray:
     """Return a ray of the view in local coordinates.
 
     Parameters
@@ -49,12 +47,9 @@ def ray_of(
         As viser tells them, in the coordinates of the view.
     rotation : (3, 3)
         From local to the view, ``Stage.rotation``.
-    shift_m : float
-        How far to the right the clicked cloud stands, side by side.
     """
     towards = np.array(direction, dtype=np.float64)
-    place = np.array(origin, dtype=np.float64) - np.array([shift_m, 0.0, 0.0])
-    return Ray(rotation.T @ place, rotation.T @ (towards / np.linalg.norm(towards)))
+    return Ray(rotation.T @ np.array(origin, dtype=np.float64), rotation.T @ (towards / np.linalg.norm(towards)))
 
 
 def cone_of(fov_rad: float, image_height: int, pixels: float = _REACH_PIXELS) -> float:

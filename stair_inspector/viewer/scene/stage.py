@@ -17,21 +17,21 @@ from stair_inspector.viewer.scene.measurements import MeasureDrawing
 from stair_inspector.viewer.scene.nodes import NO_LINES, NodeLabel, Nodes, outline_of
 from stair_inspector.viewer.scene.step_marks import TONE_RGB, StepMark
 
-Mode = Literal["Raw", "Segmented", "Side by side"]
+Mode = Literal["Raw", "Segmented", "Side by side", "Swipe"]
 
-MODES: tuple[Mode, ...] = ("Raw", "Segmented", "Side by side")
+MODES: tuple[Mode, ...] = ("Raw", "Segmented", "Side by side", "Swipe")
 _EDGE_PIXELS = 3.0
 _NOSING_PIXELS = 6.0
 _ARROW_PIXELS = 2.0
 _MARK_PIXELS = 5.0
-_GAP_SHARE = 0.25
-"""Gap between the two clouds side by side, as a share of their width."""
 HIGHLIGHT: Rgb = (0, 214, 230)
 MEASURED: Rgb = (230, 60, 140)
 PAPER_EDGES: Rgb = (130, 50, 240)
 """Of what an inspector measured by hand, and of the paper's edges beside the survey's: none of the hues of steps, edges
 and measuring lines."""
-_SEGMENTS, _REGION = "/stair/segments", "/stair/region"
+RAW, SEGMENTS = "/stair/raw", "/stair/segments"
+"""What is seen of a scan in one mode and not in the other, with all below."""
+_REGION = "/stair/region"
 _CLOUDS = ("/stair/segments/cloud", "/stair/segments/centres", "/stair/segments/selected")
 _PAPER_EDGES = "/stair/segments/paper_edges"
 _LINES = ("/stair/segments/edges", "/stair/segments/nosings", "/stair/segments/outside", _PAPER_EDGES)
@@ -39,7 +39,7 @@ _LINES = ("/stair/segments/edges", "/stair/segments/nosings", "/stair/segments/o
 _PICKED_POINTS = 2.6
 """Diameter of a picked point, in those of the scan."""
 _POINT_FACTORS = {
-    "/stair/raw": 1.0,
+    RAW: 1.0,
     "/stair/segments/cloud": 1.0,
     "/stair/segments/centres": 1.6,
     "/stair/segments/selected": 1.7,
@@ -69,7 +69,8 @@ class Stage:
     """The nodes of one inspector's scene.
 
     Everything hangs below ``/stair``, whose rotation stands the staircase upright, so that a camera always has z up.
-    The raw cloud and the segmentation share that frame; side by side, the segmentation moves to the right.
+    The raw cloud and the segmentation share that frame; side by side the page draws them in two halves, with a swipe on
+    the two sides of a bar.
 
     ``mode`` and ``point_size_m`` are what the inspector has chosen, also while a picture is taken in another mode
     (:meth:`lend`) or with larger points (:meth:`magnify`). ``n_drawn`` grows with everything that is drawn: as long as
@@ -103,10 +104,10 @@ class Stage:
         self.rotation, self.point_size_m = rotation, point_size_m
         self.extent = extent_of(display.points @ rotation.T)
         self._nodes.frame("/stair", rotation)
-        self._nodes.frame(_SEGMENTS)
+        self._nodes.frame(SEGMENTS)
         # The box of the part that counts stands in it.
         self._nodes.frame(_REGION)
-        self._points("/stair/raw", display.points, display.colors, is_visible=self._mode_shown != "Segmented")
+        self._points(RAW, display.points, display.colors, is_visible=self._mode_shown != "Segmented")
         self._points("/stair/segments/cloud", display.points, display.colors)
         self._raw_colors = display.colors
         self._show_mode()
@@ -156,7 +157,7 @@ class Stage:
     def show_marks(self, marks: Mapping[int, StepMark]) -> None:
         """Outline the treads of steps that are outside a limit, and put their sign beside their number."""
         outlines, colors = [], []
-        lift_m = 2.0 * self._point_size_of("/stair/raw") * self.rotation[2]
+        lift_m = 2.0 * self._point_size_of(RAW) * self.rotation[2]
         for (plate, label), name in zip(self._per_step, self._step_names, strict=True):
             mark = marks.get(int(name))
             label.text = name if mark is None else f"{name} {mark.sign}"
@@ -210,7 +211,7 @@ class Stage:
 
     @_counted
     def set_mode(self, mode: Mode) -> None:
-        """Show the raw cloud, the segmentation, or both side by side; a section stands in for both clouds."""
+        """Show the raw cloud, the segmentation, or both; a section stands in for both clouds."""
         self.mode = mode
         self._show_mode()
 
@@ -232,19 +233,6 @@ class Stage:
         self._magnified = factor
         self._size_points()
 
-    def visible_extent(self) -> Floats:
-        """Return the corners (n, 3) of what the present mode shows, in the coordinates of the view."""
-        shift_m = self.shift_m()
-        if shift_m == 0.0:
-            return self.extent
-        return np.vstack([self.extent, self.extent + np.array([shift_m, 0.0, 0.0])])
-
-    def shift_m(self) -> float:
-        """Return how far to the right the segmentation stands, metres; 0 unless it stands beside the raw cloud."""
-        if self._mode_shown != "Side by side" or self._is_cut:
-            return 0.0
-        return float(np.ptp(self.extent[:, 0])) * (1.0 + _GAP_SHARE)
-
     @_counted
     def clear(self) -> None:
         """Remove everything."""
@@ -262,15 +250,13 @@ class Stage:
         if "/stair" not in self._nodes:
             return
         mode = self._mode_shown
-        self._nodes["/stair/raw"].visible = mode != "Segmented" and not self._is_cut
+        self._nodes[RAW].visible = mode != "Segmented" and not self._is_cut
         for name in (*_CLOUDS, *_LINES):
             if name in self._nodes:
                 self._nodes[name].visible = not self._is_cut
         self._show_numbers()
         self._nodes[_REGION].visible = self._lent is None
-        self._nodes[_SEGMENTS].visible = mode != "Raw"
-        # Along the view's x axis, given in the frame's own axes.
-        self._nodes[_SEGMENTS].position = self.shift_m() * self.rotation[0]
+        self._nodes[SEGMENTS].visible = mode != "Raw"
 
     def _point_size_of(self, name: str) -> float:
         return _POINT_FACTORS[name] * self.point_size_m * self._magnified

@@ -57,7 +57,7 @@ def look_along_a_measurement(session):
     part_of(session, "look").measure._look_at(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
 
 
-@pytest.mark.parametrize("act", [switch_ortho, stand_side_by_side, go_in_two_ways, look_along_a_measurement])
+@pytest.mark.parametrize("act", [switch_ortho, go_in_two_ways, look_along_a_measurement])
 def test_what_is_done_while_a_picture_is_taken_ends_where_it_would_without(session, act):
     by_hand = turn_by_hand(session)
     act(session)

@@ -12,7 +12,7 @@ from stair_inspector.viewer.bridge.markup import pick_script
 from stair_inspector.viewer.parts.details_html import details_html
 from stair_inspector.viewer.parts.missing import LAST_OF_FLIGHT, NOT_OBSERVED
 from stair_inspector.viewer.parts.status_html import state_html
-from stair_inspector.viewer.parts.step_columns import USUAL_LOOK, view_of
+from stair_inspector.viewer.parts.step_columns import USUAL_LOOK, shown_values
 from stair_inspector.viewer.parts.step_table_html import table_html
 from stair_inspector.viewer.parts.steps.card_html import card_html
 from stair_inspector.viewer.parts.steps.rejected_html import rejected_html
@@ -199,14 +199,14 @@ def test_rows_of_the_survey_are_chosen_like_those_of_the_paper(inspection):
 def test_the_columns_are_the_surveys_where_it_was_made_unless_the_papers_are_wanted(inspection):
     paper = dataclasses.replace(inspection, params=inspection.params.replaced("method", "paper"))
     without = dataclasses.replace(inspection, flights=())
-    assert [view_of(result, None) for result in (inspection, paper, without, None)] == [
+    assert [shown_values(result, None) for result in (inspection, paper, without, None)] == [
         "survey",
         "paper",
         "paper",
         "survey",
     ]
-    assert view_of(inspection, "paper") == "paper"
-    assert view_of(paper, "survey") == "paper"
+    assert shown_values(inspection, "paper") == "paper"
+    assert shown_values(paper, "survey") == "paper"
 
 
 def test_a_survey_without_steps_says_so(inspection):

@@ -1,10 +1,10 @@
-"""Where the camera stands: beside what lies over the scene, and so that a spot is seen twice side by side."""
+"""Where the camera stands: beside what lies over the scene."""
 
 import numpy as np
 import pytest
 
-from stair_inspector.pictures.cameras import FOV_RAD, Pose, frame_view
-from stair_inspector.viewer.scene.framing import beside, free_part, raised
+from stair_inspector.pictures.cameras import FOV_RAD, frame_view
+from stair_inspector.viewer.scene.framing import free_part, raised
 
 BOX = np.array([[x, y, z] for x in (-0.6, 0.6) for y in (0.0, 3.0) for z in (0.0, 1.7)])
 TOOLBAR_PX, LEGEND_PX, LABEL_PX = 36, 66, 130
@@ -45,16 +45,3 @@ def test_a_scene_without_a_size_is_framed_as_a_usual_one(width, height):
 def test_a_very_small_scene_is_used_as_it_is():
     free = free_part(280, 140, FOV_RAD)
     assert (free.aspect, free.fov_rad, free.raised) == (2.0, FOV_RAD, 0.0)
-
-
-@pytest.mark.parametrize("away", [(0.0, -2.0, 0.5), (-2.0, -2.0, 1.0), (3.0, 0.1, 0.2)])
-def test_a_spot_and_the_same_spot_beside_it_are_both_seen_from_the_same_side(away):
-    spot = np.array([0.2, 0.5, 0.4])
-    before = Pose(spot + np.array(away), spot, np.array([0.0, 0.0, 1.0]))
-    pose = beside(before, 4.0, 1.2, FOV_RAD)
-    seen = pixels(pose, np.array([spot, spot + np.array((4.0, 0.0, 0.0))]), 1200, 1000)
-    assert ((seen > 0) & (seen < [1200, 1000])).all()
-    now = pose.position - pose.look_at
-    np.testing.assert_allclose(now / np.linalg.norm(now), np.array(away) / np.linalg.norm(away), atol=1e-12)
-    back = beside(pose, -4.0, 1.2, FOV_RAD)
-    np.testing.assert_allclose(back.look_at, spot, atol=1e-12)

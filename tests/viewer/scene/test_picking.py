@@ -99,16 +99,6 @@ def test_what_a_section_hides_cannot_be_picked(measured):
     assert click(measured, target, pose, turn, points=drawn[:0]) is None
 
 
-def test_side_by_side_the_cloud_on_the_right_is_picked_where_it_stands(measured):
-    _, _, display = measured
-    pose, turn = camera(measured, "Top")
-    shift, target = 2.5, display.points[4000]
-    place = turn @ target + np.array([shift, 0.0, 0.0])
-    ray = ray_of(tuple(pose.position), tuple(place - pose.position), turn, shift)
-    row = point_at_click(display.points, ray, cone_of(FOV_RAD, HEIGHT))
-    assert angle_of(target, display.points[row], pose, turn) < 0.02
-
-
 def test_the_cone_is_as_wide_as_its_pixels():
     # The picture's height spans the angle of view.
     assert cone_of(FOV_RAD, 100, 50.0) == pytest.approx(math.tan(FOV_RAD / 2.0))

@@ -172,19 +172,18 @@ def test_a_section_stands_in_for_the_clouds_in_every_mode_and_gives_them_back(se
     stage.set_mode(mode)
     clouds = ("/stair/raw", "/stair/segments/cloud", "/stair/segments/centres")
     before = [is_seen(stage, name) for name in clouds]
-    extent = stage.visible_extent()
+    extent = stage.extent
     shown, slab = section_of(measured)
     stage.show_section(shown.points, shown.colors, slab.corners)
     assert names(server, SECTION) == {f"{SECTION}cloud", f"{SECTION}outline"}
     assert len(stage._nodes[f"{SECTION}cloud"].points) == len(shown.points)
     assert [is_seen(stage, name) for name in clouds] == [False, False, False]
     # Edges and numbers stand where the section is, not beside it.
-    assert stage.shift_m() == 0.0
     np.testing.assert_array_equal(stage._nodes["/stair/segments"].position, 0.0)
     stage.show_section(shown.points, shown.colors, None)
     assert names(server, SECTION) == set()
     assert [is_seen(stage, name) for name in clouds] == before
-    np.testing.assert_array_equal(stage.visible_extent(), extent)
+    np.testing.assert_array_equal(stage.extent, extent)
 
 
 def test_what_is_drawn_while_a_section_is_shown_does_not_cover_it(server, stage, measured):

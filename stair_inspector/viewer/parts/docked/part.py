@@ -6,7 +6,7 @@ from dataclasses import replace
 from stair_inspector.errors import one_of
 from stair_inspector.viewer.bridge.dock import docked_html
 from stair_inspector.viewer.parts.part import Context, PagePart
-from stair_inspector.viewer.parts.step_columns import VIEWS, TableLook, view_of
+from stair_inspector.viewer.parts.step_columns import VIEWS, TableLook, shown_values
 from stair_inspector.viewer.parts.step_table_html import bar_html, table_html
 from stair_inspector.viewer.parts.table import TABLE_CHANGES, pick_row
 from stair_inspector.viewer.state.change import PageChange
@@ -28,7 +28,7 @@ class DockedPart(PagePart):
         """Show the rows, and over them whose values they are."""
         desk = self._desk
         inspection = desk.marked
-        view = view_of(inspection, desk.table.view)
+        view = shown_values(inspection, desk.table.view)
         body = table_html(inspection, desk.palette, desk.selected, self.uuid, view, desk.unit, desk.table, desk.marks)
         label = desk.shown.label if desk.shown is not None else ""
         content = docked_html(

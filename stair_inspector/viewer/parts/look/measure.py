@@ -157,18 +157,13 @@ class MeasureTool:
             self._waiting_of = frame
 
     def _pick(self, event: viser.SceneClickEvent) -> Pick | None:
-        """Return the foremost drawn point that a click meets; side by side either cloud may be meant."""
+        """Return the foremost drawn point that a click meets."""
         shown = self._desk.result("measure")
         display = self._seen() or shown.display
         camera, stage = self._desk.client.camera, self._desk.stage
         cone = cone_of(camera.fov, camera.image_height)
-        found = []
-        for shift_m in {0.0, stage.shift_m()}:
-            ray = ray_of(event.ray_origin, event.ray_direction, stage.rotation, shift_m)
-            row = point_at_click(display.points, ray, cone)
-            if row is not None:
-                found.append((float((display.points[row] - ray.origin) @ ray.direction), row))
-        return pick_of(shown.inspection, display, min(found)[1]) if found else None
+        row = point_at_click(display.points, ray_of(event.ray_origin, event.ray_direction, stage.rotation), cone)
+        return None if row is None else pick_of(shown.inspection, display, row)
 
     def _look_at(self, points: np.ndarray) -> None:
         places = self._desk.to_view(points)

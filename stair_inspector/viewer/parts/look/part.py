@@ -15,7 +15,11 @@ from stair_inspector.viewer.state.change import PageChange
 
 _DRAWN_ANEW = frozenset({PageChange.SCAN, PageChange.CLOUD, PageChange.COLORS, PageChange.THEME, PageChange.UNIT})
 _VIEW_WORDS = {**{view: f"{view} view" for view in VIEWS}, "Along": "View along the stair"}
-_MODE_WORDS = dict(zip(MODES, ("Raw cloud", "Coloured steps", "Raw and steps side by side"), strict=True))
+_MODE_WORDS = dict(
+    zip(
+        MODES, ("Raw cloud", "Coloured steps", "Raw and steps side by side", "Swipe between raw and steps"), strict=True
+    )
+)
 
 
 class LookPart(PagePart):
@@ -64,7 +68,7 @@ class LookPart(PagePart):
             ),
             Command("Orthographic look", views.switch_ortho, "O"),
             *(
-                Command(words, partial(look.choose_mode, mode), str(key))
+                Command(words, partial(look.choose_mode, mode), str(key % 10))
                 for key, (mode, words) in enumerate(_MODE_WORDS.items(), start=7)
             ),
             Command("Section on or off", self.section.switch, "X"),

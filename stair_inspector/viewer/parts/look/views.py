@@ -26,7 +26,7 @@ class ViewTool:
             MODES,
             self._desk.stage.mode,
             self._look.choose_mode,
-            hint="Raw cloud, coloured steps, or both side by side. Keys 7 to 9.",
+            hint="Raw cloud, coloured steps, both side by side, or both parted by a bar. Keys 7 to 0.",
         )
         hint = "Stand back from that side of the staircase. Keys 1 to 5."
         widgets.buttons("Camera", VIEWS, self._look.set_view, hint=hint)

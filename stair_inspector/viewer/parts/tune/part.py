@@ -8,7 +8,7 @@ from stair_inspector.viewer.bridge.markup import DIM, aside, text
 from stair_inspector.viewer.bridge.reach_drag import REACH
 from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.parts.part import Context, PagePart
-from stair_inspector.viewer.parts.step_columns import view_of
+from stair_inspector.viewer.parts.step_columns import shown_values
 from stair_inspector.viewer.parts.tune.histogram import histogram_html
 from stair_inspector.viewer.parts.tune.paper_edges import PAPER_ONLY, PaperEdges
 from stair_inspector.viewer.parts.tune.presets import Presets
@@ -103,7 +103,7 @@ class TunePart(PagePart):
 
     def _show_what_acts(self) -> None:
         """Dim the sliders that change nothing in the table as it is shown, and say so."""
-        view = view_of(self._desk.inspection, self._desk.table.view)
+        view = shown_values(self._desk.inspection, self._desk.table.view)
         names, words = {
             "survey": (PAPER_ONLY, "Dimmed: acts on the paper's columns and edges alone."),
             "paper": (SETTINGS.at("survey"), "The sliders under Survey act on the survey's columns alone."),

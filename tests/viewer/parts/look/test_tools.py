@@ -8,6 +8,7 @@ import pytest
 from stair_inspector.errors import ConfigError
 from stair_inspector.overrules import parse_region
 from stair_inspector.viewer.bridge.markup import list_key
+from stair_inspector.viewer.scene.stage import MODES
 from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import _CAMERA, OTHER, await_that
 
@@ -219,30 +220,27 @@ def test_raw_and_steps_are_seen_from_the_same_spot(session):
     camera.position = np.array(camera.position) + np.array((0.3, 0.2, 0.1))
     camera.look_at = np.array([0.1, 0.4, 0.3])
     before = place()
-    for mode in ("Raw", "Segmented"):
+    for mode in MODES:
         looking.set_mode(mode)
         np.testing.assert_allclose(place(), before)
-    looking.set_mode("Side by side")
-    shift = np.array([session.desk.stage.shift_m(), 0.0, 0.0])
-    np.testing.assert_allclose(place()[1], before[1] + shift / 2.0, atol=1e-6)
-    # The spot and the same spot of the steps are both seen.
-    for spot in (before[1], before[1] + shift):
-        assert is_seen(session, spot)
-    looking.set_mode("Raw")
-    np.testing.assert_allclose(place(), before, atol=1e-6)
 
 
-def test_a_standard_view_stays_one_when_the_clouds_move_apart(session):
+def test_a_standard_view_shows_all_of_the_stair_in_each_half(session):
     looking = session.look
     looking.set_view("Front")
+    whole = np.linalg.norm(looking.pose().position - looking.pose().look_at)
     looking.set_mode("Side by side")
-    assert all(is_seen(session, corner) for corner in session.desk.stage.visible_extent())
+    assert np.linalg.norm(looking.pose().position - looking.pose().look_at) > 1.2 * whole
+    assert all(is_seen(session, corner, share=0.5) for corner in session.desk.stage.extent)
+    looking.set_mode("Swipe")
+    assert all(is_seen(session, corner) for corner in session.desk.stage.extent)
+    np.testing.assert_allclose(np.linalg.norm(looking.pose().position - looking.pose().look_at), whole)
     looking.set_mode("Segmented")
     looking.set_view("Home")
 
 
-def is_seen(session, place):
-    """Whether a place of the view lies in the picture."""
+def is_seen(session, place, share=1.0):
+    """Whether a place of the view lies in the picture, or in the middle share of its width."""
     camera = session.desk.client.camera
     away = np.array(camera.position) - camera.look_at
     away /= np.linalg.norm(away)
@@ -251,7 +249,7 @@ def is_seen(session, place):
     offset = np.array(place) - camera.position
     depth, tan = -offset @ away, np.tan(camera.fov / 2.0)
     wide, tall = abs(offset @ right), abs(offset @ np.cross(away, right))
-    return depth > 0.0 and wide <= depth * tan * camera.aspect and tall <= depth * tan
+    return depth > 0.0 and wide <= share * depth * tan * camera.aspect and tall <= depth * tan
 
 
 def test_the_orthographic_look_keeps_the_size_after_another_angle_of_view(session):
@@ -322,7 +320,7 @@ def test_buttons_show_which_of_them_is_on(page, session):
     assert [filled(measure._mode), filled(unit), pressed(docked.html)] == [1, 1, ["Paper"]]
     assert [filled(part_of(session, "look").views._mode), filled(part_of(session, "look").section._cut)] == [0, 1]
     assert pressed() == ["Raw", "in"]
-    assert frame.toolbar.content.count('aria-pressed="false"') == 3
+    assert frame.toolbar.content.count('aria-pressed="false"') == 4
 
 
 def test_there_is_one_help_card_and_escape_closes_it(session):
