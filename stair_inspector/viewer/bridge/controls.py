@@ -155,12 +155,15 @@ class SettingControls:
 
     def dimmed(self, names: Collection[str]) -> str:
         """Return the style that dims the controls of these settings; they work as before."""
-        rows = ",".join(
+        rows = [
             f'.mantine-Flex-root:has(>*>*>label[for="{uuid_of(self._controls[name])}"])'
             for name in names
             if name in self._controls
-        )
-        return f"<style>{rows}{{opacity:.55}}</style>" if rows else ""
+        ]
+        # Words stay as dark as all small letters must be.
+        tracks = ",".join(f"{row} :is(.mantine-Slider-bar,.mantine-Slider-thumb)" for row in rows)
+        words = ",".join(f"{row} :is(label,input)" for row in rows)
+        return f"<style>{tracks}{{opacity:.4}}{words}{{font-style:italic;color:{DIM}}}</style>" if rows else ""
 
     def submit_texts(self, *names: str) -> None:
         """Let what is written in these text fields count; in all of them without a name."""

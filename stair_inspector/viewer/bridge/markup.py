@@ -56,7 +56,7 @@ def table_head(columns: tuple[tuple[str, str, str], ...], left: tuple[str, ...] 
     """Return the head of a table: name, unit and explanation of each column; those in ``left`` are no numbers."""
     cells = "".join(
         f'<th title="{text(hint)}" style="{_LEFT if name in left else _RIGHT};font-weight:600;white-space:nowrap;'
-        f'position:sticky;top:0">{text(name)}<div style="font-weight:400;font-size:10px;color:{DIM}">'
+        f'position:sticky;top:0">{text(name)}<div style="font-weight:400;font-size:11px;color:{DIM}">'
         f"{text(unit) or '&nbsp;'}</div></th>"
         for name, unit, hint in columns
     )

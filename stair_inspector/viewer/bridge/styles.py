@@ -1,5 +1,17 @@
 """Styles of the page that viser has no setting for, found by the names that its client gives to what it draws."""
 
+READABLE = (
+    "<style>html{--mantine-color-dimmed:light-dark(#495057,#c1c2c5)!important;"
+    "--mantine-color-gray-filled:light-dark(#596067,#495057)!important;"
+    "--mantine-color-gray-filled-hover:light-dark(#495057,#5c636a)!important}"
+    "[data-dock-tab][role=tab]{opacity:1!important}"
+    ".mantine-Slider-markLabel{font-size:11px!important;color:var(--mantine-color-dimmed)!important}"
+    ".mantine-Notification-description{color:var(--mantine-color-dimmed)!important}"
+    "[role=button]:focus-visible,[data-step]:focus-visible"
+    "{outline:2px solid var(--mantine-primary-color-filled)}</style>"
+)
+"""viser's labels have a contrast of 3.3, its grey buttons too, and the ends of its sliders are written in 9 pixels.
+Text needs 4.5 and 11 pixels."""
 NARROW_TABS = "<style>[data-dock-tab][role=tab]{padding:0 .58em!important}</style>"
 """So that all tabs of the panel stand on one line."""
 CLEAR_OF_THE_SCROLLBAR = (

@@ -7,9 +7,10 @@ from stair_inspector.pictures.cameras import VIEWS
 from stair_inspector.units import UNITS
 from stair_inspector.viewer.bridge.handles import uuid_of
 from stair_inspector.viewer.bridge.markup import title_html
+from stair_inspector.viewer.bridge.names import names_html
 from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_html
 from stair_inspector.viewer.bridge.shortcuts import keys_html
-from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR
+from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR, READABLE
 from stair_inspector.viewer.bridge.two_views import Arrangement, two_views_html
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import headline_html
@@ -22,7 +23,9 @@ from stair_inspector.viewer.state.change import PageChange
 WIDTH = 484
 """Of the panel, pixels."""
 _ARRANGEMENTS: dict[Mode, Arrangement] = {"Side by side": "halves", "Swipe": "swipe"}
-_BRAND = (24, 110, 160)
+_BRANDS = ((13, 60, 88), (24, 110, 160))
+"""Of the light and of the dark theme: viser paints its buttons in a paler shade of the first, which must still be 4.5
+times as dark as their words."""
 
 
 class Frame(PagePart):
@@ -38,7 +41,7 @@ class Frame(PagePart):
         gui.set_panel_label("stair_inspector")
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        widgets.html(keys_html() + CLEAR_OF_THE_SCROLLBAR)
+        widgets.html(keys_html() + names_html() + CLEAR_OF_THE_SCROLLBAR + READABLE)
         self._title = widgets.html()
         self.toolbar = widgets.html()
         self.legend = widgets.html()
@@ -59,7 +62,7 @@ class Frame(PagePart):
         desk = self._desk
         if PageChange.THEME in what:
             desk.client.gui.configure_theme(
-                dark_mode=desk.is_dark, show_logo=False, show_share_button=False, brand_color=_BRAND
+                dark_mode=desk.is_dark, show_logo=False, show_share_button=False, brand_color=_BRANDS[desk.is_dark]
             )
         if what & {PageChange.SCAN, PageChange.CLOUD}:
             self._show_scan()

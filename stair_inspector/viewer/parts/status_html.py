@@ -8,6 +8,7 @@ from stair_inspector.content.remarks import n_to_look_at, on_page
 from stair_inspector.model import Inspection
 from stair_inspector.viewer.bridge.markup import DIM, LINE, press_attribute, scroll_attribute, set_script, text
 from stair_inspector.viewer.bridge.styles import DIMMED_RESULTS, NARROW_TABS
+from stair_inspector.viewer.scene.step_marks import TONE_CSS
 
 
 def state_html(
@@ -39,11 +40,11 @@ def state_html(
         Identity of the control that stops it.
     """
     if error is not None:
-        badge = _badge("✕", "#e03131", "no result" if inspection is None else "no result for these settings")
+        badge = _badge("✕", TONE_CSS["bad"], "no result" if inspection is None else "no result for these settings")
     elif busy is not None:
-        badge = _badge("◌", "#e8890c", busy)
+        badge = _badge("◌", TONE_CSS["close"], busy)
     else:
-        badge = _badge("●", "#2f9e44", "up to date")
+        badge = _badge("●", TONE_CSS["good"], "up to date")
     words = _headline(inspection, with_more=busy is None)
     cancel = _cancel_html(cancel_uuid) if percent is not None else ""
     lines = [
@@ -52,9 +53,8 @@ def state_html(
         f"</span>{cancel}</div>{_progress_html(percent)}"
     ]
     if error is not None:
-        lines.append(
-            f'<div data-testid="error" role="alert" style="color:#e03131;padding:3px 0">{text(on_page(error))}</div>'
-        )
+        style = f"color:{TONE_CSS['bad']};padding:3px 0"
+        lines.append(f'<div data-testid="error" role="alert" style="{style}">{text(on_page(error))}</div>')
     if is_stale and inspection is not None:
         if error is not None:
             words = "Shown dimmed: the last good result, with the settings named below it."

@@ -217,7 +217,7 @@ def _step_row(
             shown = mm(step.plane.rms_m, 2) if column is RMS else f"{step.plane.n_points:,}"
         return f'<td data-column="{column.name}" style="{CELL}">{shown}</td>'
 
-    name = f' <div style="font-size:10px;color:{DIM}">landing</div>' if step.kind == "landing" else ""
+    name = f' <div style="font-size:11px;color:{DIM}">landing</div>' if step.kind == "landing" else ""
     return (
         f"{row_start(pick_uuid, step.step_id, '', is_selected=is_selected)}"
         '<td style="padding:2px 4px;white-space:nowrap">'
@@ -237,7 +237,7 @@ def _cell(
     # The same room with and without an uncertainty, so that the values stand under each other. Fractions of inches
     # leave no room beside them: there it stands below.
     place = "display:block" if unit == "in" else "display:inline-block;min-width:2.2em;text-align:left"
-    small = f' <span style="{place};font-size:10px;color:{DIM};font-weight:400">'
+    small = f' <span style="{place};font-size:11px;color:{DIM};font-weight:400">'
     name, words = worst
     start = f'<td data-column="{name}" style="{CELL}" title='
     if measured is None:

@@ -15,6 +15,7 @@ from stair_inspector.viewer.parts.export.files import Downloads
 from stair_inspector.viewer.parts.export.report import DOCUMENTS, DRAWINGS, EVERYTHING
 from stair_inspector.viewer.parts.export.report_form import ReportForm
 from stair_inspector.viewer.parts.part import Context, PagePart
+from stair_inspector.viewer.scene.step_marks import tone_css
 from stair_inspector.viewer.state.change import PageChange
 from stair_inspector.viewer.state.work import work_of
 
@@ -103,7 +104,7 @@ class ExportPart(PagePart):
         keeper = self._keeper
         path, saved_at = keeper.path, keeper.saved_at
         if keeper.error:
-            words = f'<span style="color:#e03131">Not saved: {text(keeper.error)}</span>'
+            words = f'<span style="color:{tone_css("bad")}">Not saved: {text(keeper.error)}</span>'
         elif path is not None and saved_at is not None:
             words = f"Saved at {saved_at.strftime('%H:%M:%S')} in {text(path.name)}"
         elif path is not None:

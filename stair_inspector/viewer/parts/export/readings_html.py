@@ -14,7 +14,7 @@ DELETE = "delete"
 _HEAD = ("By hand", "Scan", "Difference")
 _LEFT = "padding:4px 6px 0 0;text-align:left;vertical-align:top"
 _NUMBER = "padding:4px 0 0 6px;text-align:right;vertical-align:top;white-space:nowrap"
-_SMALL = f"color:{DIM};font-size:10.5px"
+_SMALL = f"color:{DIM};font-size:11px"
 _STYLE = "font-size:12px;line-height:1.3;padding:2px 12px 6px 5px;overflow-wrap:break-word"
 
 

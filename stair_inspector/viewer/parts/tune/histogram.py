@@ -40,7 +40,7 @@ def histogram_html(inspection: Inspection | None, palette: Palette, pick_uuid: s
 
     bands = "".join(band(level) for level in inspection.levels)
     ticks = "".join(
-        f'<text x="{at(height):.1f}" y="{_HEIGHT - 6}" text-anchor="middle" font-size="10" '
+        f'<text x="{at(height):.1f}" y="{_HEIGHT - 6}" text-anchor="middle" font-size="11" '
         f'fill="currentColor" opacity="0.75">{height:.{digits}f}</text>'
         for digits, height in round_ticks(low, span)
     )
@@ -50,10 +50,10 @@ def histogram_html(inspection: Inspection | None, palette: Palette, pick_uuid: s
         '<div data-testid="histogram" class="si-results" style="padding:2px 8px 2px 0">'
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" role="img"{drag} '
         f'aria-label="Heights of points on horizontal surfaces; {len(inspection.levels)} clusters">'
-        '<text x="8" y="9" font-size="10" fill="currentColor" opacity="0.75">'
+        '<text x="8" y="9" font-size="11" fill="currentColor" opacity="0.75">'
         "points on horizontal surfaces by height [m], √ scale</text>"
         f'<line x1="{_WIDTH - 8 - reach:.1f}" x2="{_WIDTH - 8}" y1="6" y2="6" stroke="currentColor" stroke-width="3"/>'
-        f'<text data-reach-text="1" x="{_WIDTH - 12 - reach:.1f}" y="9" text-anchor="end" font-size="10" '
+        f'<text data-reach-text="1" x="{_WIDTH - 12 - reach:.1f}" y="9" text-anchor="end" font-size="11" '
         f'fill="currentColor" opacity="0.9">ε_z {eps_m * 1000.0:g} mm</text>'
         f"{bands}<path d='{_outline(profile)}' fill='currentColor' opacity='0.72'/>{ticks}"
         f"{reach_mark(14, _BASE - 14)}</svg></div>"

@@ -14,6 +14,7 @@ from stair_inspector.viewer.bridge.controls import value_words
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.widgets import File, offer
 from stair_inspector.viewer.parts.part import Context
+from stair_inspector.viewer.scene.step_marks import tone_css
 
 OWN_PRESET = "(changed)"
 """What the preset menu says when the settings are those of no preset."""
@@ -179,7 +180,7 @@ def _of_scan(params: Params, preset: Params) -> Params:
 def _suggestion_html(suggestion: Suggestion | None, why_not: str) -> str:
     style = "font-size:12px;line-height:1.4;padding:2px 9px 6px"
     if suggestion is None:
-        return f'<div data-testid="suggestion" style="{style};color:#e03131">{text(why_not)}</div>'
+        return f'<div data-testid="suggestion" style="{style};color:{tone_css("bad")}">{text(why_not)}</div>'
     rows = "".join(
         f'<li data-setting="{text(reason.name)}" style="padding:1px 0"><b>{text(SETTINGS.setting(reason.name).called)} '
         f"{text(value_words(reason.name, reason.value))}</b>: {text(reason.why)}</li>"

@@ -12,7 +12,7 @@ from stair_inspector.viewer.compute.sensitivity import PLATEAU_M, SWEPT_QUANTITI
 
 _WIDTH, _HEIGHT = 420, 200
 _LEFT, _RIGHT, _TOP, _BOTTOM = 56, 12, 10, 34
-_TEXT = 'fill="currentColor" opacity="0.75" font-size="10"'
+_TEXT = 'fill="currentColor" opacity="0.75" font-size="11"'
 _ACCENT = "rgb(0, 170, 185)"
 
 

@@ -1,0 +1,84 @@
+"""The page for those who listen to it, who use it by keys, and who need dark and large enough letters."""
+
+import pytest
+
+from tests.browser.inspector_page import click_at_once
+from tests.browser.test_layout import TABS
+
+_GRAVE = ("serious", "critical")
+_OPEN_FOLDERS = """() => document.querySelectorAll('.mantine-Paper-root[role=button][aria-expanded=false]')
+    .forEach((head) => head.checkVisibility() && head.click())"""
+_NAMED = """() => ![...document.querySelectorAll('[role=slider], input.mantine-NumberInput-input')]
+    .some((each) => each.checkVisibility() && !each.ariaLabel && !each.labels?.length)"""
+_SMALLEST_TEXT = """() => {
+    const sizes = [];
+    const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (walk.nextNode()) {
+        const of = walk.currentNode.parentElement;
+        if (!walk.currentNode.textContent.trim() || of.closest('script, style') || !of.checkVisibility()) continue;
+        const scale = of.ownerSVGElement ? of.getScreenCTM().a : 1;
+        sizes.push([scale * parseFloat(getComputedStyle(of).fontSize), walk.currentNode.textContent.trim()]);
+    }
+    return sizes.sort((a, b) => a[0] - b[0])[0];
+}"""
+
+
+def faults(page):
+    """What axe-core finds on the page that keeps somebody from using it."""
+    from axe_playwright_python.sync_playwright import Axe
+
+    page.page.wait_for_function(_NAMED)
+    found = Axe().run(page.page, options={"resultTypes": ["violations"]}).response["violations"]
+    return [
+        (fault["id"], node["html"][:120], [each["message"] for each in node["any"]])
+        for fault in found
+        if fault["impact"] in _GRAVE
+        for node in fault["nodes"]
+    ]
+
+
+def test_nothing_on_the_tune_tab_keeps_anybody_out(page):
+    page.tab("Tune")
+    assert faults(page) == []
+    size, words = page.page.evaluate(_SMALLEST_TEXT)
+    assert size >= 10.99, words
+    slider = page.page.get_by_role("slider", name="ε_z [mm]", exact=True)
+    assert slider.get_attribute("aria-valuenow") == "20"
+    assert page.page.get_by_label("ε_z [mm], as a number", exact=True).input_value() == "20"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("is_dark", [False, True])
+def test_nothing_on_any_tab_keeps_anybody_out(open_page, is_dark):
+    page = open_page()
+    if is_dark:
+        click_at_once(page.page.get_by_label("Dark theme"))
+        page.page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+    for tab in TABS:
+        page.tab(tab)
+        # Folders lie in folders.
+        for _ in range(2):
+            page.page.evaluate(_OPEN_FOLDERS)
+            page.page.wait_for_timeout(500)
+        assert faults(page) == [], tab
+        size, words = page.page.evaluate(_SMALLEST_TEXT)
+        assert size >= 10.99, (tab, words)
+    page.hotkey("h")
+    page.by_id("help").wait_for()
+    # The card comes in by and by: until then its letters are pale.
+    page.page.wait_for_timeout(800)
+    assert faults(page) == []
+
+
+def test_a_folder_is_opened_by_key(page):
+    page.tab("Tune")
+    head = page.page.get_by_role("button", name="Survey", exact=True).and_(page.page.locator(".mantine-Paper-root"))
+    before = head.get_attribute("aria-expanded")
+    for wanted in ("true", "false") if before == "false" else ("false", "true"):
+        head.focus()
+        head.press("Enter")
+        page.page.wait_for_function(
+            "(wanted) => [...document.querySelectorAll('.mantine-Paper-root[role=button]')]"
+            ".find((head) => head.textContent === 'Survey').ariaExpanded === wanted",
+            arg=wanted,
+        )
