@@ -34,6 +34,7 @@ def run(args: list[str]) -> int:
     if rules is None:
         raise ConfigError("check: no rule set given; name one with --rules (see: stair-inspector rules)")
     basis = headless.basis_asked_for(options, "check", project)
+    pinned = headless.pinned_in(options, project)
     made_at = headless.time_of_report()
     folder = Path(options.out) if options.out else None
     if folder is not None:
@@ -52,7 +53,8 @@ def run(args: list[str]) -> int:
         found = check(inspection, *rules)
         written = ""
         if folder is not None:
-            written = f"\n  {headless.write_results(scan, inspection, folder, path, found, basis, made_at)}"
+            wrote = headless.write_results(scan, inspection, folder, path, found, basis, made_at, pinned=pinned)
+            written = f"\n  {wrote}"
         say(f"{examined_text(inspection)}{scan.name} {check_text(found)}{written}\n")
         if found.is_outside:
             return 1

@@ -19,6 +19,7 @@ from stair_inspector.errors import CannotMeasure, ConfigError, ReadError, StairE
 if TYPE_CHECKING:
     from stair_inspector.codes import Check, RuleSet
     from stair_inspector.content.fields import ReportBasis
+    from stair_inspector.content.pins import PinnedFindings
     from stair_inspector.files.projects import Project
     from stair_inspector.model import Inspection, Scan
     from stair_inspector.writers.segmented import SegmentedFormat
@@ -124,6 +125,15 @@ def basis_asked_for(options: Headless, command: str, project: "Project | None") 
     return titled(basis, project.title)
 
 
+def pinned_in(options: Headless, project: "Project | None") -> "PinnedFindings | None":
+    """Return the pins of the project and what was said of findings in it; None without a project."""
+    if project is None:
+        return None
+    from stair_inspector.content.project_basis import pinned_of
+
+    return pinned_of(project, options.project)
+
+
 def paths_of(options: Headless, command: str, project: "Project | None") -> tuple[list[Path], int]:
     """Return the scans that the options name, and the exit code of what could not be found."""
     from stair_inspector.files.scans import find_scans
@@ -215,15 +225,16 @@ def write_results(
     basis: "ReportBasis | None",
     made_at: datetime,
     segmented: "Sequence[SegmentedFormat]" = (),
+    pinned: "PinnedFindings | None" = None,
 ) -> str:
     """Write the files of measure, and the report if there is a basis for one, and say which."""
     from stair_inspector.writers.inspection import write_inspection
 
-    written = list(write_inspection(scan, inspection, folder, path.stem, found, segmented))
+    written = list(write_inspection(scan, inspection, folder, path.stem, found, segmented, pinned))
     if basis is not None:
         from stair_inspector.writers.report import write_report
 
-        written += write_report(scan, inspection, folder, path.stem, basis, made_at, found)
+        written += write_report(scan, inspection, folder, path.stem, basis, made_at, found, pinned=pinned)
     return f"wrote {', '.join(str(file) for file in written)}"
 
 

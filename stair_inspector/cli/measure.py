@@ -39,6 +39,7 @@ def run(args: list[str]) -> int:
     measure = parse_arguments(MeasureScans, "measure", args, start)
     rules = headless.rules_of(args, measure, "measure", project)
     basis = headless.basis_asked_for(measure, "measure", project)
+    pinned = headless.pinned_in(measure, project)
     made_at = headless.time_of_report()
     check_folder(measure.out)
     paths, worst = headless.paths_of(measure, "measure", project)
@@ -49,7 +50,9 @@ def run(args: list[str]) -> int:
         from stair_inspector.writers.text import inspection_text
 
         found = headless.checked(inspection, rules)
-        wrote = headless.write_results(scan, inspection, measure.out, path, found, basis, made_at, measure.segmented)
+        wrote = headless.write_results(
+            scan, inspection, measure.out, path, found, basis, made_at, measure.segmented, pinned
+        )
         say(f"{inspection_text(inspection)}\n  {wrote}\n")
         return 0
 

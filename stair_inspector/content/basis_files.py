@@ -101,12 +101,12 @@ def basis_from_dict(values: object, place: str = "report") -> ReportBasis:
         where = f"{place}: photo {number}"
         check_keys(where, entry, ("caption", "base64"))
         _check_named(where, entry, ("base64",))
-        photos.append(photo_as_kept(_from_base64(entry["base64"], where), entry.get("caption", ""), where))
+        photos.append(photo_as_kept(picture_from_base64(entry["base64"], where), entry.get("caption", ""), where))
     return ReportBasis(
         fields=_texts_from(ReportFields, table.get("fields", {}), f"{place}: fields"),
         checklist=_texts_from(Checklist, table.get("checklist", {}), f"{place}: checklist"),
         readings=tuple(readings),
-        logo=None if logo is None else read_logo(_from_base64(logo, f"{place}: logo"), f"{place}: logo"),
+        logo=None if logo is None else read_logo(picture_from_base64(logo, f"{place}: logo"), f"{place}: logo"),
         photos=tuple(photos),
         paper=table.get("paper", "a4"),
     )
@@ -170,7 +170,14 @@ def _bytes_of(folder: Path, name: object, place: str) -> bytes:
         raise ConfigError(f"{place}: {brief(name)} cannot be read; check the name") from error
 
 
-def _from_base64(text: object, place: str) -> bytes:
+def picture_from_base64(text: object, place: str) -> bytes:
+    """Return the bytes of a picture of a project file, not looked at yet.
+
+    Raises
+    ------
+    ConfigError
+        It is no text in base64.
+    """
     try:
         return base64.b64decode(text if isinstance(text, str) else "?", validate=True)
     except (binascii.Error, ValueError) as error:

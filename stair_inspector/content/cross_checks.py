@@ -3,14 +3,12 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from stair_inspector.content.cells import lengths, millimetres, unit_in_report, with_u
 from stair_inspector.content.document import Cell, Column, Number, Status, Table, plain, table_of
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.readings import TapeReading
+from stair_inspector.content.step_places import step_at
 from stair_inspector.content.values import flight_value, plane_to_plane, steps_of
-from stair_inspector.geometry.arrays import Floats
 from stair_inspector.measured import OWN_PARTS, combined, part_of
 from stair_inspector.model import Flight, Inspection, Measured, Step
 from stair_inspector.quantities import quantity_of
@@ -20,8 +18,6 @@ _CLOSURE_DIGITS, _FINEST_DIGITS = 2, 6
 """Decimals of a millimetre in the closure check: as many as are shown, and no more than are kept."""
 _SLIP_SHARE = 0.1
 """Of a length: a reading that is farther from the scan is most likely one of another place or unit."""
-_LEAST_RISE_M = 0.1
-"""Taken for a rise that was not measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,21 +192,8 @@ def _of_step(step: Step | None, reading: TapeReading) -> Measured | None:
 
 
 def _step_of(inspection: Inspection, reading: TapeReading) -> Step | None:
-    """Return the step that was read: the one at its place, or of its number where the place is not known."""
-    if reading.step is None or reading.at is None:
-        return next((step for step in inspection.steps if step.step_id == reading.step), None)
-    place = np.array(reading.at) - inspection.scan.origin_m
-    nearest = min(inspection.steps, key=lambda step: float(np.linalg.norm(step.plane.centroid - place)), default=None)
-    return nearest if nearest is not None and _is_at(nearest, place, inspection.up.vector) else None
-
-
-def _is_at(step: Step, place: Floats, up: Floats) -> bool:
-    """Return whether a place is on a step: within half a rise of its height and half its diagonal in plan."""
-    away = place - step.plane.centroid
-    height = float(away @ up)
-    rise_m = _LEAST_RISE_M if step.rise_m is None else step.rise_m.value
-    diagonal_m = float(np.linalg.norm(step.corners[2] - step.corners[0]))
-    return abs(height) < rise_m / 2.0 and float(np.linalg.norm(away - height * up)) < diagonal_m / 2.0
+    """Return the step that was read."""
+    return None if reading.step is None else step_at(inspection, reading.step, reading.at)
 
 
 def _place_of(reading: TapeReading, step: Step | None) -> str:

@@ -40,20 +40,35 @@ def read_logo(data: bytes, place: str = "logo") -> bytes:
     return _redrawn(data, place, _LOGO_PIXELS, "PNG")
 
 
-def read_photo(data: bytes, caption: str = "", place: str = "photo") -> Photo:
-    """Return a photograph as JPEG, upright, without the place and time that cameras hide in it.
+def read_photo(
+    data: bytes, caption: str = "", place: str = "photo", most_pixels: tuple[int, int] = _PHOTO_PIXELS
+) -> Photo:
+    """Return a photograph as JPEG, upright, without the place and time that cameras hide in it, and made smaller.
 
     Raises
     ------
     ConfigError
         Not a PNG or JPEG, damaged, or too large.
     """
-    return Photo(_redrawn(data, place, _PHOTO_PIXELS, "JPEG"), caption)
+    return Photo(_redrawn(data, place, most_pixels, "JPEG"), caption)
 
 
 def photo_as_kept(data: bytes, caption: str, place: str) -> Photo:
     """Return a photograph of a project: as it is where it was redrawn before, since each time would cost some of it."""
     return Photo(data, caption) if _is_redrawn(data) else read_photo(data, caption, place)
+
+
+def kept_photo(data: bytes, place: str) -> Photo:
+    """Return a photograph of a project that is only taken as :func:`read_photo` made it: many are opened quickly.
+
+    Raises
+    ------
+    ConfigError
+        It is another picture, or damaged.
+    """
+    if not _is_redrawn(data):
+        raise ConfigError(f"{place}: is no photograph as this program keeps them; take it out and add it on the page")
+    return Photo(data)
 
 
 def _is_redrawn(data: bytes) -> bool:

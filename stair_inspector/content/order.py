@@ -24,7 +24,10 @@ from stair_inspector.content.document import (
 )
 from stair_inspector.content.examination import examination_table
 from stair_inspector.content.fields import FIELD_GROUPS, ReportBasis, ReportFields
+from stair_inspector.content.finding_list import list_findings
+from stair_inspector.content.finding_tables import finding_blocks
 from stair_inspector.content.note_words import note_words
+from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.settings_tables import overrules_table, settings_table
 from stair_inspector.content.uncertainty_words import uncertainty_sentences
 from stair_inspector.model import Inspection, Statistics
@@ -54,6 +57,7 @@ def build_document(
     basis: ReportBasis,
     made_at: datetime,
     pictures: Pictures | None = None,
+    pinned: PinnedFindings | None = None,
 ) -> Document:
     """Return a report's content: the same input gives the same document.
 
@@ -69,10 +73,14 @@ def build_document(
         Date and time that the report bears: the only thing that differs between two reports of the same input.
     pictures : Pictures, optional
         See :func:`stair_inspector.writers.figures.draw_pictures`.
+    pinned : PinnedFindings, optional
+        Pins of the inspector, and what was said of findings.
     """
+    listed = list_findings(inspection, check, pinned or PinnedFindings())
     pictures = pictures or Pictures()
     sections: list[tuple[str, list[Block]]] = [
         ("Summary", _summary(inspection, check)),
+        ("Findings", finding_blocks(listed)),
         ("Identification", _identification(basis, check)),
         ("Instrument and scan", _instrument(inspection, basis)),
         ("Views", _views(pictures, basis)),

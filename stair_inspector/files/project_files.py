@@ -23,7 +23,7 @@ SCHEMA = "stair-inspector/project-1"
 LARGEST_BYTES = 20_000_000
 """A project is a few kilobytes, and some megabytes with the report's pictures; a larger file is something else."""
 _KEYS = ("schema", "software", "title", "scan", "settings", "measurements", "views", "runs")
-_LATER_KEYS = ("rules", "report")
+_LATER_KEYS = ("rules", "report", "findings")
 """Keys that files from before they existed do not have."""
 
 
@@ -46,14 +46,15 @@ def project_bytes(project: Project) -> bytes:
         "runs": [{"name": run.name, "settings": params_to_dict(run.params)} for run in project.runs],
         "rules": chosen_to_dict(project.rules),
         "report": dict(project.report),
+        "findings": dict(project.findings),
     }
     text = json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     # A lone surrogate, as in a file name that is no UTF-8, is written as the escape that JSON has for it.
     data = text.encode("utf-8", errors="backslashreplace")
     if len(data) > LARGEST_BYTES:
         raise ConfigError(
-            f"the project has {len(data):,} bytes, more than the {LARGEST_BYTES:,} of a project file; delete kept runs "
-            "or shorten the overrules"
+            f"the project has {len(data):,} bytes, more than the {LARGEST_BYTES:,} of a project file; delete "
+            "photographs or kept runs, or shorten the overrules"
         )
     return data
 
@@ -111,8 +112,8 @@ def parse_project(data: bytes, place: str) -> Project:
     ConfigError
         Too large, not JSON, of another schema, with an unknown or missing key (the nearest known name is given), or
         with a value that is not possible: one sentence that begins with ``place``. Settings that are not named have
-        their defaults, as in a preset, and so have rules and report: a project from before they existed can still be
-        read.
+        their defaults, as in a preset, and so have rules, report and findings: a project from before they existed can
+        still be read.
     """
     try:
         return _from_values(_parse_json(data))
@@ -164,7 +165,8 @@ def _from_values(values: Any) -> Project:
             values, "runs", ("name", "settings"), lambda v, at: KeptRun(v["name"], _to_params(v["settings"], at))
         ),
         rules=chosen_from_dict(values["rules"]) if "rules" in values else ChosenRules(),
-        report=_to_plain(values.get("report", {})),
+        report=_to_plain(values.get("report", {}), "report"),
+        findings=_to_plain(values.get("findings", {}), "findings"),
     )
 
 
@@ -189,9 +191,9 @@ def _read_list(
     return tuple(made)
 
 
-def _to_plain(values: Any) -> dict[str, Any]:
+def _to_plain(values: Any, place: str) -> dict[str, Any]:
     if not isinstance(values, dict):
-        raise ConfigError(f"report: got {str(values)[:60]!r}; give a table")
+        raise ConfigError(f"{place}: got {str(values)[:60]!r}; give a table")
     return values
 
 

@@ -1,4 +1,4 @@
-"""The inspector's work on one scan as one file: settings, overrules, measurements, views, kept runs, rules and report.
+"""The inspector's work on one scan as one file: settings, measurements, views, runs, rules, report and findings.
 
 The scan itself is never written: a project names it by its SHA-256, so that its numbers cannot be taken from another.
 """
@@ -43,7 +43,7 @@ class Measurement:
         place = f"measurement {self.name!r}: points_m"
         if not isinstance(self.points_m, (list, tuple)) or len(self.points_m) not in (1, 2):
             raise ConfigError(f"{place}: give one point, or two for a distance")
-        object.__setattr__(self, "points_m", tuple(_to_point(point, place) for point in self.points_m))
+        object.__setattr__(self, "points_m", tuple(point_from(point, place) for point in self.points_m))
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class SavedView:
         _check_name(self.name, "a view's name")
         place = f"view {self.name!r}"
         for field in ("position_m", "look_at_m", "up"):
-            object.__setattr__(self, field, _to_point(getattr(self, field), f"{place}: {field}"))
+            object.__setattr__(self, field, point_from(getattr(self, field), f"{place}: {field}"))
         fov_deg = _to_number(self.fov_deg, f"{place}: fov_deg")
         if not 0.0 < fov_deg < 180.0:
             raise ConfigError(f"{place}: fov_deg: got {fov_deg:g}; give an angle between 0 and 180 degrees")
@@ -88,8 +88,9 @@ class Project:
 
     ``scan_file`` is the scan's file name without folder; ``scan_sha256`` that of the file's bytes, as in
     :class:`~stair_inspector.model.Scan`; ``params`` holds method, unit, up, region and overrules with the rest.
-    ``rules`` are those that the inspection is held against. ``report`` is what the user gave for the report as plain
-    values, which :func:`stair_inspector.content.project_basis.basis_of` reads.
+    ``rules`` are those that the inspection is held against. ``report`` is what the user gave for the report,
+    ``findings`` pins and what was said of findings of the program: plain values, which ``basis_of`` and ``pinned_of``
+    of :mod:`stair_inspector.content.project_basis` read.
     """
 
     scan_file: str
@@ -101,6 +102,7 @@ class Project:
     runs: tuple[KeptRun, ...] = ()
     rules: ChosenRules = dataclasses.field(default_factory=ChosenRules)
     report: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    findings: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _check_name(_spelt(self.scan_file), "scan.file", longest=_LONGEST_FILE_NAME)
@@ -198,7 +200,14 @@ def _to_number(value: Any, place: str) -> float:
     return float(value)
 
 
-def _to_point(values: Any, place: str) -> Point:
+def point_from(values: Any, place: str) -> Point:
+    """Return a place from a file: three numbers that can be coordinates in metres.
+
+    Raises
+    ------
+    ConfigError
+        They are none; ``place`` says which.
+    """
     if not isinstance(values, (list, tuple)) or len(values) != 3:
         raise ConfigError(f"{place}: got {str(values)[:60]!r}; give three numbers, x, y and z")
     x, y, z = (_to_number(value, place) for value in values)

@@ -23,6 +23,7 @@ from stair_inspector.content.document import (
     Table,
 )
 
+_QUARTER = 0.25
 _TYPES = {"svg": "image/svg+xml", "png": "image/png", "jpeg": "image/jpeg"}
 _STYLE = """
 :root{--ink:#1b2228;--quiet:#5b6670;--line:#cbd2d8;--accent:#12466b;--shade:#f3f6f8;--good:#1f6b45;--close:#8a5a00;
@@ -77,6 +78,7 @@ tr.at-bad td{background:#fcebe9}tr.at-close td{background:#fdf5e3}
 figure{margin:18px 0;break-inside:avoid}
 figure img{width:100%;height:auto;display:block}
 .pair{display:grid;grid-template-columns:1fr 1fr;gap:20px}
+.four{display:grid;grid-template-columns:repeat(4,1fr);gap:16px}
 footer{margin-top:48px;border-top:1px solid var(--line);padding-top:8px;color:var(--quiet);font-size:12.5px}
 @media (max-width:720px){.facts,.pair{grid-template-columns:1fr}main{padding:20px 16px}}
 @page{margin:20mm 16mm;@bottom-right{content:"Page " counter(page) " of " counter(pages);font-size:8pt;color:#5b6670}}
@@ -134,16 +136,30 @@ def _head(document: Document, made: str) -> str:
     )
 
 
+def _row_of(block: Block, rest: Sequence[Block]) -> list[Figure]:
+    """Return the pictures of one row from a block on, as wide as each other; none where it stands by itself."""
+    row: list[Figure] = []
+    for each in (block, *rest):
+        if not isinstance(each, Figure) or each.share > 0.5 or len(row) == round(1.0 / each.share):
+            break
+        if row and each.share != row[0].share:
+            break
+        row.append(each)
+    # One of half the width is as wide as the page where there is no other; a small one is not.
+    return row if len(row) > 1 or (row and row[0].share <= _QUARTER) else []
+
+
 def blocks_html(blocks: Sequence[Block], title: str = "") -> str:
-    """Return blocks one below the other, but pictures of half the width side by side."""
+    """Return blocks one below the other, but pictures of half the width, or of a quarter, side by side."""
     rest = list(blocks)
     body = []
     while rest:
         block = rest.pop(0)
-        following = rest[0] if rest else None
-        if isinstance(block, Figure) and isinstance(following, Figure) and max(block.share, following.share) <= 0.5:
-            rest.pop(0)
-            body.append(f'<div class="pair">{_figure(block)}{_figure(following)}</div>\n')
+        row = _row_of(block, rest)
+        if row:
+            del rest[: len(row) - 1]
+            kind = "pair" if row[0].share > _QUARTER else "four"
+            body.append(f'<div class="{kind}">{"".join(map(_figure, row))}</div>\n')
         else:
             body.append(_block(block, title))
     return "".join(body)

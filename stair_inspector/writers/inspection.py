@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stair_inspector.codes import Check
+from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.writers.csv import csv_bytes
@@ -19,11 +20,12 @@ def write_inspection(
     stem: str,
     check: Check | None = None,
     segmented: Sequence[SegmentedFormat] = (),
+    pinned: PinnedFindings | None = None,
 ) -> list[Path]:
     """Write ``STEM.json``, ``STEM.csv`` and ``STEM_debug.ply`` into a folder, each completely or not at all.
 
-    A check against a rule set goes into the JSON. The segmented scan is written in each of these formats, as
-    ``STEM_segmented.laz`` or ``.ply``.
+    A check against a rule set and the findings, with what is ``pinned``, go into the JSON. The segmented scan is
+    written in each of these formats, as ``STEM_segmented.laz`` or ``.ply``.
 
     Raises
     ------
@@ -31,7 +33,7 @@ def write_inspection(
         The folder cannot be written, or LAZ is wanted and its package missing; files that existed are untouched.
     """
     paths = result_paths(folder, stem, segmented)
-    contents = [json_bytes(inspection, check), csv_bytes(inspection), debug_ply_bytes(scan, inspection)]
+    contents = [json_bytes(inspection, check, pinned), csv_bytes(inspection), debug_ply_bytes(scan, inspection)]
     contents += [segmented_bytes(scan, inspection, form) for form in dict.fromkeys(segmented)]
     write_all_atomically(dict(zip(paths, contents, strict=True)))
     return paths

@@ -3,15 +3,17 @@
 import json
 
 from stair_inspector.codes import Check
+from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.records import inspection_to_dict
 from stair_inspector.model import Inspection
 
 
-def json_bytes(inspection: Inspection, check: Check | None = None) -> bytes:
+def json_bytes(inspection: Inspection, check: Check | None = None, pinned: PinnedFindings | None = None) -> bytes:
     """Return the inspection as JSON, schema ``stair-inspector/inspection-1``: SI, positions in the scan frame.
 
-    A check against a rule set is its field ``check``, null without one.
+    A check against a rule set is its field ``check``, null without one; ``pinned`` are
+    pins of the inspector and what was said of findings.
     """
-    text = json.dumps(inspection_to_dict(inspection, check), indent=1, ensure_ascii=False, allow_nan=False)
+    text = json.dumps(inspection_to_dict(inspection, check, pinned), indent=1, ensure_ascii=False, allow_nan=False)
     # A lone surrogate, as in a file name that is no UTF-8, cannot be encoded: it is written as an escape.
     return (text + "\n").encode("utf-8", errors="backslashreplace")

@@ -222,7 +222,7 @@ def _clipped(text: str, most: int) -> str:
 
 
 def _blocks(blocks: tuple[Block, ...], document: Document, section_title: str = "") -> list[dict[str, Any]]:
-    """Return blocks as plain values; pictures of half the width are put side by side."""
+    """Return blocks as plain values; pictures of half the width or less are put side by side."""
     found: list[dict[str, Any]] = []
     for block in blocks:
         values = _block(block, document)
@@ -230,11 +230,11 @@ def _blocks(blocks: tuple[Block, ...], document: Document, section_title: str = 
             # Said once is enough.
             values["title"] = ""
         if isinstance(block, Figure) and block.share <= 0.5:
-            last = found[-1] if found else {}
-            if last.get("kind") == "figure_row" and len(last["figures"]) < 2:
+            last, columns = found[-1] if found else {}, round(1.0 / block.share)
+            if last.get("columns") == columns and len(last["figures"]) < columns:
                 last["figures"].append(values)
                 continue
-            values = {"kind": "figure_row", "figures": [values]}
+            values = {"kind": "figure_row", "columns": columns, "figures": [values]}
         found.append(values)
     return found
 

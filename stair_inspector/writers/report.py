@@ -8,6 +8,7 @@ from stair_inspector.codes.findings import Check
 from stair_inspector.content.document import Document
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.order import build_document
+from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.pictures.report_views import RenderedView
@@ -30,6 +31,7 @@ def make_report(
     made_at: datetime,
     check: Check | None = None,
     views: Sequence[RenderedView] | None = None,
+    pinned: PinnedFindings | None = None,
 ) -> Document:
     """Return a report's content with its pictures.
 
@@ -45,10 +47,12 @@ def make_report(
         The same inspection held against a rule set.
     views : sequence of RenderedView, optional
         Pictures of the inspector's own scene; by default they are rendered without a display.
+    pinned : PinnedFindings, optional
+        Pins of the inspector, and what was said of findings.
     """
     title = basis.fields.stair or basis.fields.title
     pictures = draw_pictures(scan, inspection, check, made_at, title=title, views=views)
-    return build_document(inspection, check, basis, made_at, pictures)
+    return build_document(inspection, check, basis, made_at, pictures, pinned)
 
 
 def report_bytes(document: Document) -> dict[str, bytes]:
@@ -82,6 +86,7 @@ def write_report(
     made_at: datetime,
     check: Check | None = None,
     views: Sequence[RenderedView] | None = None,
+    pinned: PinnedFindings | None = None,
 ) -> list[Path]:
     """Write ``STEM_report.pdf``, ``.html``, ``.xlsx``, ``STEM_plan.dxf`` and ``STEM_section.dxf`` into a folder.
 
@@ -94,7 +99,7 @@ def write_report(
     WriteError
         The folder cannot be written; files that existed are untouched.
     """
-    document = make_report(scan, inspection, basis, made_at, check, views)
+    document = make_report(scan, inspection, basis, made_at, check, views, pinned)
     made = report_bytes(document) | drawing_bytes(inspection, made_at)
     contents = {folder / f"{stem}{suffix}": data for suffix, data in made.items()}
     write_all_atomically(contents)

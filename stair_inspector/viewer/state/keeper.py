@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Unpack
 
 from stair_inspector.content.basis_files import basis_to_dict
+from stair_inspector.content.pin_values import pinned_to_dict
 from stair_inspector.errors import StairError, WriteError
 from stair_inspector.files.project_files import save_project
 from stair_inspector.files.projects import Project
@@ -174,6 +175,7 @@ class Keeper:
             runs=work.runs,
             rules=work.rules,
             report=basis_to_dict(work.basis),
+            findings=pinned_to_dict(work.findings),
         )
 
     def save(self) -> None:

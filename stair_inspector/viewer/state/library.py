@@ -10,7 +10,7 @@ import threading
 from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 
-from stair_inspector.content.project_basis import basis_of
+from stair_inspector.content.project_basis import basis_of, pinned_of
 from stair_inspector.errors import ConfigError, StairError, WriteError
 from stair_inspector.files.atomic import write_atomically
 from stair_inspector.files.paths import sample_scans
@@ -341,6 +341,7 @@ def _saved_project(path: Path) -> tuple[Project | None, str]:
         project = read_project(path)
         # Read here, where what cannot be read is left alone.
         basis_of(project, str(path))
+        pinned_of(project, str(path))
     except StairError as error:
         return None, f"The saved work cannot be taken up: {error}."
     return project, ""

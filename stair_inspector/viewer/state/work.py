@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TypedDict
 
 from stair_inspector.content.fields import OF_THE_SURVEYOR, ReportBasis
-from stair_inspector.content.project_basis import basis_of
+from stair_inspector.content.pins import PinnedFindings
+from stair_inspector.content.project_basis import basis_of, pinned_of
 from stair_inspector.files.chosen_rules import ChosenRules
 from stair_inspector.files.projects import KeptRun, Measurement, Project, SavedView, check_entries, check_title
 from stair_inspector.overrules import OverrulesParams
@@ -26,6 +27,7 @@ class Work:
     runs: tuple[KeptRun, ...] = ()
     rules: ChosenRules = field(default_factory=ChosenRules)
     basis: ReportBasis = field(default_factory=ReportBasis)
+    findings: PinnedFindings = field(default_factory=PinnedFindings)
 
     def __post_init__(self) -> None:
         check_title(self.title)
@@ -63,6 +65,7 @@ class Changes(TypedDict, total=False):
     runs: tuple[KeptRun, ...]
     rules: ChosenRules
     basis: ReportBasis
+    findings: PinnedFindings
 
 
 @dataclass(slots=True)
@@ -96,7 +99,7 @@ def work_of(project: Project) -> Work:
     Raises
     ------
     ConfigError
-        What it keeps for the report is not possible.
+        What it keeps for the report, or its findings, are not possible.
     """
     return Work(
         project.params,
@@ -106,4 +109,5 @@ def work_of(project: Project) -> Work:
         project.runs,
         project.rules,
         basis_of(project),
+        pinned_of(project),
     )

@@ -95,9 +95,10 @@ class Downloads:
         with desk.lock:
             shown, marked = desk.result("export"), desk.marked
             check = self._judge.checked() if kind == "JSON" else None
+            pinned = self._editor.work.findings
         make: dict[str, tuple[str, Callable[[Tell], bytes]]] = {
             "CSV": (".csv", lambda _: csv_bytes(marked or shown.inspection)),
-            "JSON": (".json", lambda _: json_bytes(marked or shown.inspection, check)),
+            "JSON": (".json", lambda _: json_bytes(marked or shown.inspection, check, pinned)),
             "Debug PLY": ("_debug.ply", lambda _: debug_ply_bytes(shown.scan, shown.inspection)),
             "Segmented LAZ": ("_segmented.laz", lambda _: segmented_bytes(shown.scan, shown.inspection, "laz")),
             "Segmented PLY": ("_segmented.ply", lambda _: segmented_bytes(shown.scan, shown.inspection, "ply")),

@@ -9,6 +9,7 @@ import viser
 
 from stair_inspector.codes import Check
 from stair_inspector.content.fields import ReportBasis
+from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.project_basis import titled
 from stair_inspector.errors import ConfigError
 from stair_inspector.model import Inspection
@@ -44,6 +45,7 @@ class _Order:
     shown: Shown
     check: Check | None
     basis: ReportBasis
+    pinned: PinnedFindings
     made_at: datetime.datetime
 
 
@@ -86,7 +88,7 @@ class ReportMaker:
             shown = self._desk.result("report")
             work = self._editor.work
             check = self._judge.checked()
-            return _Order(shown, check, titled(work.basis, work.title), datetime.datetime.now())
+            return _Order(shown, check, titled(work.basis, work.title), work.findings, datetime.datetime.now())
 
     def _made(self, kind: str, order: _Order, tell: Tell) -> bytes:
         if kind in DRAWINGS:
@@ -95,7 +97,9 @@ class ReportMaker:
         # A workbook has no pictures.
         views = () if kind == "XLSX" else self._views_of(order, tell)
         tell("report: charts and drawings …", _VIEWS_PERCENT)
-        document = make_report(shown.scan, shown.inspection, order.basis, order.made_at, order.check, views)
+        document = make_report(
+            shown.scan, shown.inspection, order.basis, order.made_at, order.check, views, order.pinned
+        )
         if kind in DOCUMENTS:
             tell(f"report: {kind} …", 85.0)
             return _MAKERS[kind](document)
@@ -107,7 +111,7 @@ class ReportMaker:
         for suffix, data in drawing_bytes(shown.inspection, order.made_at).items():
             files[f"{stem}{suffix}"] = data
         files[f"{stem}.csv"] = csv_bytes(shown.inspection)
-        files[f"{stem}.json"] = json_bytes(shown.inspection, order.check)
+        files[f"{stem}.json"] = json_bytes(shown.inspection, order.check, order.pinned)
         return _zipped(files, order.made_at)
 
     def _drawn(self, kind: str, order: _Order) -> bytes:
