@@ -18,7 +18,9 @@ Rgb = tuple[int, int, int]
 class Palette:
     """Colours, red green blue from 0 to 255; ``steps`` are used in turn from bottom to top.
 
-    ``measure`` draws the survey's measuring lines; the paper has none, so a palette need not name it.
+    What has a default need not be named: the paper has no measuring lines, no surfaces that are rejected, and no
+    limits. ``paper_edge`` is of the edges that the paper places beside those of the survey, ``outside`` of steps
+    outside a limit, ``nearly`` where that is within the uncertainty.
     """
 
     title: str
@@ -30,6 +32,10 @@ class Palette:
     side_edge: Rgb
     centre: Rgb
     measure: Rgb = (0, 190, 200)
+    rejected: Rgb = (164, 116, 96)
+    paper_edge: Rgb = (130, 50, 240)
+    outside: Rgb = (224, 49, 49)
+    nearly: Rgb = (232, 89, 12)
 
     def of_step(self, step_id: int) -> Rgb:
         """Return the colour of step 1, 2, ..."""

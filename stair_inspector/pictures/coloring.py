@@ -13,7 +13,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.geometry.arrays import Colors, Floats
 from stair_inspector.model import Inspection, Patch
-from stair_inspector.pictures.display import REJECTED_COLOR, Display
+from stair_inspector.pictures.display import Display
 from stair_inspector.pictures.legends import Legend, Ramp, colors_on
 from stair_inspector.units import tidy
 
@@ -132,7 +132,7 @@ def step_colors(inspection: Inspection, display: Display, palette: Palette, *, w
     rejected = rejected_of(inspection) if with_rejected else []
     if rejected and inspection.patch_ids is not None:
         patch_ids = inspection.patch_ids[display.point_ids]
-        colors[np.isin(patch_ids, [patch.patch_id for patch in rejected])] = REJECTED_COLOR
+        colors[np.isin(patch_ids, [patch.patch_id for patch in rejected])] = palette.rejected
     return colors
 
 
@@ -233,7 +233,7 @@ def _step_legend(palette: Palette) -> Legend:
             (palette.steps[-1], "steps"),
             (palette.floor, "floor"),
             (palette.non_stair, "other, such as risers"),
-            (REJECTED_COLOR, "rejected surfaces, where shown"),
+            (palette.rejected, "rejected surfaces, where shown"),
         ),
     )
 

@@ -9,7 +9,6 @@ from stair_inspector.model import Scan
 
 MAX_POINTS = 600_000
 """Points sent to a page; 15 bytes each. The measurement always uses all of them."""
-REJECTED_COLOR = (164, 116, 96)
 """Of surfaces that are no part of the staircase, where they are shown: muted, and none of the steps' hues."""
 _CELL_M = 0.02
 _CELLS_ACROSS = 100

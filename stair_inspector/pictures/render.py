@@ -17,7 +17,7 @@ from stair_inspector.geometry.arrays import Bools, Colors, Floats
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.pictures.cameras import View
 from stair_inspector.pictures.coloring import Coloring, ColorMode, color_points
-from stair_inspector.pictures.display import REJECTED_COLOR, Display, choose_display
+from stair_inspector.pictures.display import Display, choose_display
 from stair_inspector.pictures.lettering import Lettering
 from stair_inspector.pictures.picture import Caption, Scale, picture_png
 from stair_inspector.pictures.picture_camera import PictureCamera, camera_of
@@ -111,7 +111,7 @@ def _coloring_of(
     if subject != "Segmented":
         return coloring
     # Of what is drawn here and nothing else.
-    shown = tuple(entry for entry in coloring.legend.entries if entry[0] != REJECTED_COLOR)
+    shown = tuple(entry for entry in coloring.legend.entries if entry[0] != palette.rejected)
     edges = ((palette.front_edge, "nosings"), (palette.back_edge, "back edges"), (palette.side_edge, "side edges"))
     return replace(coloring, legend=replace(coloring.legend, entries=(*shown, *(edges if has_edges else ()))))
 

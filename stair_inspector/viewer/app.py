@@ -20,9 +20,17 @@ from stair_inspector.viewer.bridge.server import close_connection, prepare_clien
 from stair_inspector.viewer.bridge.uploads import limit_uploads
 from stair_inspector.viewer.compute.workshop import Workshop
 from stair_inspector.viewer.page import Page
+from stair_inspector.viewer.parts.desk import USUAL_PALETTE
 from stair_inspector.viewer.state.library import DEFAULT_UPLOAD_LIMIT_MB, Library
 from stair_inspector.viewer.state.wishes import KeptWishes
 from stair_inspector.viewer.state.work import Work
+
+PALETTES = {
+    USUAL_PALETTE: ("page", "page_dark"),
+    "distinct": ("distinct", "distinct_dark"),
+    "the paper's": ("paper", "paper_dark"),
+}
+"""Files of colours by their name on the page, for the light and the dark theme."""
 
 
 class App:
@@ -66,7 +74,7 @@ class App:
         self._port = _check_address(host, port)
         self._library = Library(scans, project_dir, saves_projects=saves_projects, upload_limit_mb=upload_limit_mb)
         self._started = Work(params, basis=basis or ReportBasis())
-        self._palettes = (read_palette("page"), read_palette("page_dark"))
+        self._palettes = {name: (read_palette(light), read_palette(dark)) for name, (light, dark) in PALETTES.items()}
         self._kept = KeptWishes(self._library.forget_upload)
         self._sessions: dict[int, Page] = {}
         self._lock = threading.Lock()

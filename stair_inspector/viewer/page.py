@@ -17,7 +17,7 @@ chosen and seen on the desk, and ``changed`` shows it wherever it is seen.
 """
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import viser
@@ -85,8 +85,8 @@ class Page:
         The scans, and where projects are saved.
     started : Work
         What the work on a scan begins with; its settings are also those to reset to.
-    palettes : tuple of Palette
-        Colours of the page in its light and in its dark theme.
+    palettes : mapping
+        By name, colours of the page in its light and in its dark theme.
     kept : KeptWishes
         What pages that have gone were last at.
     end : callable
@@ -99,7 +99,7 @@ class Page:
         workshop: Workshop,
         library: Library,
         started: Work,
-        palettes: tuple[Palette, Palette],
+        palettes: Mapping[str, tuple[Palette, Palette]],
         kept: KeptWishes,
         end: Callable[[], None],
     ) -> None:

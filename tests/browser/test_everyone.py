@@ -2,7 +2,8 @@
 
 import pytest
 
-from tests.browser.inspector_page import click_at_once
+from stair_inspector.files.palettes import read_palette
+from tests.browser.inspector_page import click_at_once, share_of
 from tests.browser.test_layout import TABS
 
 _GRAVE = ("serious", "critical")
@@ -82,3 +83,21 @@ def test_a_folder_is_opened_by_key(page):
             ".find((head) => head.textContent === 'Survey').ariaExpanded === wanted",
             arg=wanted,
         )
+
+
+def test_colours_that_every_eye_tells_apart_are_chosen_on_the_scan_tab(page):
+    colors = read_palette("distinct").steps[:3]
+    page.tab("Scan")
+    page.choose("Colours of steps", "distinct")
+    try:
+        page.page.wait_for_function(
+            "(color) => document.querySelector('[data-testid=legend]').innerHTML.includes(color)", arg=f"rgb{colors[0]}"
+        )
+        page.page.wait_for_function(
+            "(color) => document.querySelector('[data-testid=steps]').innerHTML.includes(color)", arg=f"rgb{colors[0]}"
+        )
+        picture = page.still_picture()
+        assert min(share_of(color, picture) for color in colors) > 0.001
+    finally:
+        page.choose("Colours of steps", "the page's")
+    page.tab("Tune")

@@ -1,5 +1,7 @@
 """The colour sets that are shipped, and what is said about broken ones."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files import palettes
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.files.paths import static_configs
+from tests.color_differences import SIGHTS, difference, seen
 
 NAMES = sorted(path.stem for path in (static_configs() / "palettes").glob("*.toml"))
 GOOD = """
@@ -96,3 +99,30 @@ def test_a_missing_palette_is_named(folder):
     with pytest.raises(ConfigError) as error:
         read_palette("none")
     assert str(error.value) == f"{folder / 'none.toml'}: cannot be read (No such file or directory); check the name"
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "expected"),
+    [
+        # From the published test data of the formula.
+        ((50.0, 2.6772, -79.7751), (50.0, 0.0, -82.7485), 2.0425),
+        ((50.0, 2.49, -0.001), (50.0, -2.49, 0.0011), 7.2195),
+        ((60.2574, -34.0099, 36.2677), (60.4626, -34.1751, 39.4387), 1.2644),
+        ((2.0776, 0.0795, -1.135), (0.9033, -0.0636, -0.5514), 0.9082),
+    ],
+)
+def test_the_measure_of_differences_is_the_published_one(one, other, expected):
+    assert difference(one, other) == pytest.approx(expected, abs=5e-5)
+
+
+@pytest.mark.parametrize(("name", "ground"), [("distinct", (255, 255, 255)), ("distinct_dark", (20, 20, 20))])
+@pytest.mark.parametrize("sight", SIGHTS)
+def test_all_that_has_a_meaning_differs_for_every_sight_in_the_distinct_colours(name, ground, sight):
+    of = read_palette(name)
+    # A step's centre is a dot in the colour of the lines of back edges.
+    assert of.centre == of.back_edge
+    lines = (of.front_edge, of.back_edge, of.side_edge, of.measure, of.paper_edge, of.outside, of.nearly)
+    colors = (ground, of.floor, of.non_stair, of.rejected, *of.steps, *lines)
+    pairs = itertools.combinations(zip(seen(colors, sight), colors, strict=True), 2)
+    close = {(a, b): difference(one, other) for (one, a), (other, b) in pairs if difference(one, other) < 15.0}
+    assert close == {}

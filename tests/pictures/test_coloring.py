@@ -17,7 +17,7 @@ from stair_inspector.pictures.coloring import (
     residual_limit,
     shade,
 )
-from stair_inspector.pictures.display import REJECTED_COLOR, choose_display, display_of
+from stair_inspector.pictures.display import choose_display, display_of
 from stair_inspector.pictures.segmentation import draw, view_from_local
 from tests.synthetic import rotation
 from tests.viewer.surveyed import PALETTE, RISE, STAIR, surveyed
@@ -42,7 +42,7 @@ def test_by_step_the_colours_are_those_that_are_drawn(measured):
         np.testing.assert_array_equal(coloring.colors, drawing.colors)
     meant = dict(coloring.legend.entries)
     assert meant[PALETTE.floor] == "floor"
-    assert meant[REJECTED_COLOR].startswith("rejected")
+    assert meant[PALETTE.rejected].startswith("rejected")
     assert set(PALETTE.steps) <= set(meant)
 
 

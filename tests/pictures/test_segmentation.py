@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stair_inspector.files.palettes import read_palette
-from stair_inspector.pictures.display import REJECTED_COLOR, choose_display
+from stair_inspector.pictures.display import choose_display
 from stair_inspector.pictures.segmentation import (
     MOST_REJECTED,
     draw,
@@ -146,9 +146,9 @@ def test_rejected_surfaces_have_a_colour_and_a_name_only_when_they_are_shown():
     shown = draw(inspection, display, scan.points, PALETTE, with_rejected=True)
     is_rejected = np.isin(inspection.patch_ids[display.point_ids], [6, 7])
     assert is_rejected.sum() > 100
-    assert (shown.colors[is_rejected] == np.array(REJECTED_COLOR)).all()
+    assert (shown.colors[is_rejected] == np.array(PALETTE.rejected)).all()
     np.testing.assert_array_equal(shown.colors[~is_rejected], plain.colors[~is_rejected])
-    assert not (plain.colors == np.array(REJECTED_COLOR)).all(axis=1).any()
+    assert not (plain.colors == np.array(PALETTE.rejected)).all(axis=1).any()
     assert plain.rejected == ()
     # The largest first.
     assert [name for name, _ in shown.rejected] == ["surface 7", "surface 6"]
@@ -164,13 +164,13 @@ def test_very_many_rejected_surfaces_are_all_coloured_and_the_largest_named():
     drawing = draw(many, display, scan.points, PALETTE, with_rejected=True)
     assert [name for name, _ in drawing.rejected][:2] == ["surface 49", "surface 48"]
     assert len(drawing.rejected) == MOST_REJECTED
-    assert (drawing.colors[inspection.patch_ids == 3] == np.array(REJECTED_COLOR)).all()
+    assert (drawing.colors[inspection.patch_ids == 3] == np.array(PALETTE.rejected)).all()
 
 
 def test_no_palette_has_the_colour_of_rejected_surfaces():
     for palette in (PALETTE, read_palette("page_dark")):
         others = np.array([*palette.steps, palette.floor, palette.non_stair, palette.front_edge, palette.measure])
-        assert np.abs(others - np.array(REJECTED_COLOR)).max(axis=1).min() > 40
+        assert np.abs(others - np.array(PALETTE.rejected)).max(axis=1).min() > 40
 
 
 def test_the_points_of_a_choice_are_those_of_the_step_or_of_the_surface():

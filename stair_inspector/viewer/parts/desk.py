@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import viser
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.model import HeightOrder, Inspection, Note, Scan
@@ -24,6 +24,9 @@ from stair_inspector.viewer.scene.stage import Stage
 from stair_inspector.viewer.scene.step_marks import StepMark
 from stair_inspector.viewer.state.change import PageChange
 from stair_inspector.viewer.state.status import PageStatus
+
+USUAL_PALETTE = "the page's"
+"""Name of the colours that a page begins with."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,15 +59,16 @@ class Desk:
     the last run has sorted, from which settings are suggested. ``table`` is how the table of steps is looked at.
     ``point_taker`` is given the points that are picked in the scene, in
     the scan's frame, instead of the measure tool. ``changed`` lets the parts of the page that depend on a change show
-    themselves.
+    themselves. ``palettes`` has for each name the colours on the light and on the dark theme.
     """
 
     client: viser.ClientHandle
     notices: Notices
-    palettes: tuple[Palette, Palette]
+    palettes: Mapping[str, tuple[Palette, Palette]]
     stage: Stage
     lock: threading.RLock = field(default_factory=threading.RLock)
     is_dark: bool = False
+    palette_name: str = USUAL_PALETTE
     unit: Unit = "mm"
     shown: Shown | None = None
     selected: int | None = None
@@ -82,8 +86,13 @@ class Desk:
 
     @property
     def palette(self) -> Palette:
-        """The colours of the present theme."""
-        return self.palettes[self.is_dark]
+        """The colours that were chosen, of the present theme."""
+        return self.palettes[self.palette_name][self.is_dark]
+
+    @property
+    def paper_palette(self) -> Palette:
+        """The colours that were chosen, on white."""
+        return self.palettes[self.palette_name][False]
 
     @property
     def inspection(self) -> Inspection | None:
@@ -159,6 +168,19 @@ class Desk:
         with self.lock:
             self.is_dark = bool(is_dark)
             self.changed(PageChange.THEME)
+
+    def set_palette(self, option: str) -> None:
+        """Draw the result in other colours.
+
+        Raises
+        ------
+        ConfigError
+            There are no such colours.
+        """
+        name = one_of(str(option), tuple(self.palettes), "colours of steps")
+        with self.lock:
+            self.palette_name = name
+            self.changed(PageChange.COLORS, PageChange.THEME)
 
     def result(self, what: str) -> Shown:
         """Return the last good result.

@@ -4,11 +4,9 @@ from collections.abc import Iterable
 
 from stair_inspector.content.document import Tone
 from stair_inspector.files.palettes import Palette
-from stair_inspector.pictures.display import REJECTED_COLOR
 from stair_inspector.pictures.legends import CENTRE, Legend, Ramp, line_entries
 from stair_inspector.viewer.bridge.markup import LINE, chip, text
-from stair_inspector.viewer.scene.stage import PAPER_EDGES
-from stair_inspector.viewer.scene.step_marks import MARKED, TONE_RGB
+from stair_inspector.viewer.scene.step_marks import MARKED, mark_color
 
 
 def colour_legend_html(legend: Legend) -> str:
@@ -51,13 +49,13 @@ def legend_html(
         f"{chip(palette.floor)} floor",
         f"{steps} steps, in turn",
         f"{chip(palette.non_stair)} other, such as risers",
-        f"{chip(REJECTED_COLOR)} rejected surfaces",
+        f"{chip(palette.rejected)} rejected surfaces",
     ]
     entries = [
         *(points if with_steps else ()),
         *(f"{chip(color, *((8,) if words == CENTRE else (16, 4)))} {words}" for color, words in line_entries(palette)),
-        *(f"{chip(TONE_RGB[tone], 16, 4)} {text(words)}" for tone, words in MARKED.items() if tone in tones),
-        *([f"{chip(PAPER_EDGES, 16, 4)} edges of the paper's columns"] if with_paper else []),
+        *(f"{chip(mark_color(tone, palette), 16, 4)} {text(words)}" for tone, words in MARKED.items() if tone in tones),
+        *([f"{chip(palette.paper_edge, 16, 4)} edges of the paper's columns"] if with_paper else []),
     ]
     items = "".join(f'<span style="white-space:nowrap">{entry}</span>' for entry in entries)
     return (

@@ -15,7 +15,7 @@ from stair_inspector.pictures.segmentation import SegmentedScene, extent_of
 from stair_inspector.viewer.scene.dimensions import Dimensions
 from stair_inspector.viewer.scene.measurements import MeasureDrawing
 from stair_inspector.viewer.scene.nodes import NO_LINES, NodeLabel, Nodes, outline_of
-from stair_inspector.viewer.scene.step_marks import TONE_RGB, StepMark
+from stair_inspector.viewer.scene.step_marks import StepMark, mark_color
 
 Mode = Literal["Raw", "Segmented", "Side by side", "Swipe"]
 
@@ -26,7 +26,6 @@ _ARROW_PIXELS = 2.0
 _MARK_PIXELS = 5.0
 HIGHLIGHT: Rgb = (0, 214, 230)
 MEASURED: Rgb = (230, 60, 140)
-PAPER_EDGES: Rgb = (130, 50, 240)
 """Of what an inspector measured by hand, and of the paper's edges beside the survey's: none of the hues of steps, edges
 and measuring lines."""
 RAW, SEGMENTS = "/stair/raw", "/stair/segments"
@@ -154,7 +153,7 @@ class Stage:
         self._show_numbers()
 
     @_counted
-    def show_marks(self, marks: Mapping[int, StepMark]) -> None:
+    def show_marks(self, marks: Mapping[int, StepMark], palette: Palette) -> None:
         """Outline the treads of steps that are outside a limit, and put their sign beside their number."""
         outlines, colors = [], []
         lift_m = 2.0 * self._point_size_of(RAW) * self.rotation[2]
@@ -164,7 +163,7 @@ class Stage:
             if mark is not None:
                 corners = np.asarray(plate.vertices, dtype=np.float64) + lift_m
                 outlines.append(outline_of(corners))
-                colors += [TONE_RGB[mark.tone]] * len(corners)
+                colors += [mark_color(mark.tone, palette)] * len(corners)
         self._lines(
             "/stair/segments/outside",
             np.concatenate([NO_LINES, *outlines]),
@@ -173,9 +172,9 @@ class Stage:
         )
 
     @_counted
-    def show_paper_edges(self, lines: Floats) -> None:
+    def show_paper_edges(self, lines: Floats, palette: Palette) -> None:
         """Draw the edges (k, 2, 3) that the paper places beside those of the survey, or none."""
-        self._lines(_PAPER_EDGES, lines, PAPER_EDGES, _MARK_PIXELS)
+        self._lines(_PAPER_EDGES, lines, palette.paper_edge, _MARK_PIXELS)
 
     @_counted
     def show_section(

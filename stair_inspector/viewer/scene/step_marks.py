@@ -7,12 +7,10 @@ from stair_inspector.codes.at_steps import outside_at_steps
 from stair_inspector.codes.phrases import value_text
 from stair_inspector.content.document import SIGNS, Tone
 from stair_inspector.content.rule_tables import TONES
-from stair_inspector.files.palettes import Rgb
+from stair_inspector.files.palettes import Palette, Rgb
 from stair_inspector.model import Inspection
 from stair_inspector.viewer.bridge.markup import DIM, text
 
-TONE_RGB: dict[Tone, Rgb] = {"good": (47, 158, 68), "close": (232, 89, 12), "bad": (224, 49, 49)}
-"""Colours of marks in the scene; each has a sign beside it."""
 TONE_CSS: dict[Tone, str] = {
     "good": "light-dark(#237032, #51cf66)",
     "close": "light-dark(#b03a07, #ff922b)",
@@ -52,6 +50,11 @@ def marks_of(inspection: Inspection | None, check: Check | None) -> dict[int, St
 def tone_of(verdict: Verdict) -> Tone:
     """Return the tone of a verdict; plain for one that says nothing of a limit."""
     return TONES.get(verdict, "plain")
+
+
+def mark_color(tone: Tone, palette: Palette) -> Rgb:
+    """Return the colour of a mark in the scene; each has a sign beside it."""
+    return palette.outside if tone == "bad" else palette.nearly
 
 
 def tone_css(tone: Tone) -> str:

@@ -78,7 +78,7 @@ def stage(server):
 
 
 def desk_of(page, stage):
-    return Desk(page, notices=None, palettes=(), stage=stage)
+    return Desk(page, notices=None, palettes={}, stage=stage)
 
 
 def test_the_camera_stands_where_the_picture_is_taken_and_goes_back(stage):

@@ -6,7 +6,6 @@ import pytest
 
 from stair_inspector.model import NO_NOSING, Measured, Note
 from stair_inspector.pictures.coloring import rejected_of
-from stair_inspector.pictures.display import REJECTED_COLOR
 from stair_inspector.pictures.segmentation import MOST_REJECTED
 from stair_inspector.viewer.bridge.markup import pick_script
 from stair_inspector.viewer.parts.details_html import details_html
@@ -257,7 +256,7 @@ def test_a_result_of_the_paper_has_no_card(inspection):
 
 
 def test_rejected_surfaces_are_listed_by_size_with_height_area_and_reason(inspection):
-    page = Page(rejected_html(inspection, REJECTED_COLOR, 6, "id", is_shown=True))
+    page = Page(rejected_html(inspection, PALETTE.rejected, 6, "id", is_shown=True))
     assert [[cell.strip() for cell in row] for row in page.rows[1:]] == [
         ["7", "0.240", "0.45", "a table <b>in the way</b>"],
         ["6", "0.341", "0.12", "no step leads to it"],
@@ -269,16 +268,16 @@ def test_rejected_surfaces_are_listed_by_size_with_height_area_and_reason(inspec
 
 
 def test_rejected_surfaces_are_listed_only_when_they_are_shown(inspection):
-    assert Page(rejected_html(inspection, REJECTED_COLOR, None, "pick", is_shown=False)).words == ""
-    assert Page(rejected_html(None, REJECTED_COLOR, None, "pick", is_shown=True)).words == ""
+    assert Page(rejected_html(inspection, PALETTE.rejected, None, "pick", is_shown=False)).words == ""
+    assert Page(rejected_html(None, PALETTE.rejected, None, "pick", is_shown=True)).words == ""
 
 
 def test_nothing_rejected_and_nothing_to_reject_are_told_apart(inspection):
     kept = tuple(patch for patch in inspection.patches if patch.kind != "rejected")
     none = dataclasses.replace(inspection, patches=kept)
-    assert "No surface was rejected." in rejected_html(none, REJECTED_COLOR, None, "pick", is_shown=True)
+    assert "No surface was rejected." in rejected_html(none, PALETTE.rejected, None, "pick", is_shown=True)
     bare = dataclasses.replace(inspection, patches=())
-    assert "no surfaces to reject" in rejected_html(bare, REJECTED_COLOR, None, "pick", is_shown=True)
+    assert "no surfaces to reject" in rejected_html(bare, PALETTE.rejected, None, "pick", is_shown=True)
 
 
 def test_of_very_many_rejected_surfaces_the_largest_are_listed(inspection):
@@ -345,7 +344,7 @@ def test_nothing_that_is_told_of_a_surface_becomes_markup(inspection):
     for source in (
         survey_table(hostile),
         card_html(hostile, 3, PALETTE),
-        rejected_html(hostile, REJECTED_COLOR, None, "pick", is_shown=True),
+        rejected_html(hostile, PALETTE.rejected, None, "pick", is_shown=True),
         histogram.histogram_html(hostile, PALETTE, "pick"),
     ):
         page = Page(source)

@@ -77,7 +77,7 @@ def test_the_dimensions_of_a_step_come_and_go(server, stage, measured):
 def test_steps_outside_a_limit_are_outlined_and_their_numbers_have_a_sign(server, stage, measured):
     _, inspection, _ = measured
     plain = names(server)
-    stage.show_marks({2: StepMark("bad", "rise"), 4: StepMark("close", "going")})
+    stage.show_marks({2: StepMark("bad", "rise"), 4: StepMark("close", "going")}, PALETTE)
     assert names(server) - plain == {"/stair/segments/outside"}
     assert [label.text for _, label in stage._per_step] == ["1", f"2 {SIGNS['bad']}", "3", f"4 {SIGNS['close']}", "5"]
     lines = server.scene._handle_from_node_name["/stair/segments/outside"]
@@ -85,7 +85,7 @@ def test_steps_outside_a_limit_are_outlined_and_their_numbers_have_a_sign(server
     # Above the tread, so that its points do not cover them.
     above = (lines.points[:4, 0] - inspection.steps[1].corners) @ inspection.up.vector
     assert above == pytest.approx(np.full(4, 2.0 * stage.point_size_m), abs=1e-5)
-    stage.show_marks({})
+    stage.show_marks({}, PALETTE)
     assert names(server) == plain
     assert [label.text for _, label in stage._per_step] == ["1", "2", "3", "4", "5"]
 

@@ -169,7 +169,7 @@ class ChecksPart(PagePart):
         self.by_step.content = steps_html(desk.inspection, check, desk.selected, self._orders, desk.unit)
         self.not_assessed.content = not_assessed_html(check)
         if desk.shown is not None:
-            desk.stage.show_marks(desk.marks)
+            desk.stage.show_marks(desk.marks, desk.palette)
 
     def _show_menus(self) -> None:
         rules = self._choice.rules

@@ -19,7 +19,7 @@ from stair_inspector.viewer.parts.desk import Shown
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.parts.studio import studio
 from stair_inspector.viewer.scene.stage import Mode
-from stair_inspector.viewer.scene.step_marks import MARKED, TONE_RGB
+from stair_inspector.viewer.scene.step_marks import MARKED, mark_color
 from stair_inspector.viewer.state.change import PageChange
 
 SceneSubject = Literal["Raw", "Segmented"]
@@ -168,7 +168,7 @@ class SceneViews:
         desk = self._desk
         if desk.shown is not shown:
             raise _ChangedError("report: the scene has changed")
-        stage, palette = desk.stage, desk.palettes[0]
+        stage, palette = desk.stage, desk.paper_palette
         coloring = color_points(_COLORS[subject], shown.inspection, shown.display, palette)
         with desk.client.atomic():
             stage.show_section(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.uint8), None)
@@ -177,7 +177,7 @@ class SceneViews:
             drawing = draw(shown.inspection, shown.display, shown.scan.points, palette, colors=coloring.colors)
             stage.show_drawing(drawing, palette, desk.notices.guard(desk.select))
             stage.color_raw(shown.display.colors)
-            stage.show_marks(self._desk.marks)
+            stage.show_marks(self._desk.marks, palette)
             stage.lend("Raw" if subject == "Raw" else "Segmented")
             pose = self._look.pose_of(shown, view, _WIDTH / _HEIGHT)
         # Flat views are drawings: parallels stay parallel, whatever look the inspector has chosen.
@@ -189,8 +189,9 @@ class SceneViews:
         if subject == "Raw" or points is None:
             return None
         tones = {mark.tone for mark in self._desk.marks.values()}
-        marked = tuple((TONE_RGB[tone], words) for tone, words in MARKED.items() if tone in tones)
-        return dataclasses.replace(points, entries=(*points.entries, *line_entries(self._desk.palettes[0]), *marked))
+        palette = self._desk.paper_palette
+        marked = tuple((mark_color(tone, palette), words) for tone, words in MARKED.items() if tone in tones)
+        return dataclasses.replace(points, entries=(*points.entries, *line_entries(palette), *marked))
 
 
 def _without_emptiness(pixels: Colors) -> Colors:

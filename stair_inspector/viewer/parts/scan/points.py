@@ -23,6 +23,12 @@ class PointsFolder:
                 hint="Of the segmented cloud, by intensity of the raw one too; see the legend.",
                 on_change=look.set_color,
             )
+            widgets.dropdown(
+                "Colours of steps",
+                tuple(desk.palettes),
+                hint="'distinct' are as different for colour-blind eyes as for others.",
+                on_change=desk.set_palette,
+            )
             widgets.checkbox(
                 "Shade edges",
                 hint="Light from the lower left, and darker creases, as the normals say.",

@@ -4,7 +4,6 @@ import viser
 
 from stair_inspector.model import Step
 from stair_inspector.pictures.coloring import rejected_of
-from stair_inspector.pictures.display import REJECTED_COLOR
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.segmentation import MOST_REJECTED, SURFACE, ground_of, lift_of, points_of
 from stair_inspector.viewer.bridge.shortcuts import Command
@@ -119,7 +118,7 @@ class StepsPart(PagePart):
         self.card.content = card_html(desk.marked, desk.selected, desk.palette, desk.unit)
         self.rejected.content = rejected_html(
             inspection,
-            REJECTED_COLOR,
+            desk.palette.rejected,
             desk.selected_patch,
             self._picked,
             is_shown=desk.with_rejected and is_survey,

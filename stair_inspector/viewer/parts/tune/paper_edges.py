@@ -68,7 +68,7 @@ class PaperEdges:
         lines = NO_LINES
         if self._is_wanted and shown is not None:
             lines = paper_edges_of(shown.inspection, shown.display.spacing_m)
-        self._desk.stage.show_paper_edges(lines)
+        self._desk.stage.show_paper_edges(lines, self._desk.palette)
         if self._desk.with_paper != (len(lines) > 0):
             self._desk.with_paper = len(lines) > 0
             self._desk.changed(PageChange.LEGEND)
