@@ -293,7 +293,18 @@ STAGES = (
     ("undersides", "pieces", "plumb"),
     ("hidden", "pooled", "near_points", "edge_finder", "nosing_heights", "step_shapes", "seen_ends", "face_noise"),
     ("nosings",),
-    ("doubt", "parts", "flight_values", "step_values", "unobserved", "survey", "beyond", "blurred", "impossible"),
+    (
+        "doubt",
+        "parts",
+        "flight_values",
+        "step_values",
+        "unobserved",
+        "side_shifts",
+        "survey",
+        "beyond",
+        "blurred",
+        "impossible",
+    ),
     ("hopeless", "causes", "units", "verdict", "suggest", "retry", "withhold"),
 )
 """In the order of the recipe: the scan, the paper, surfaces, flights, up from them, edges, values, the answer."""

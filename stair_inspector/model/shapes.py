@@ -17,7 +17,7 @@ class LocalPlane:
     block counts as it must; ``sigma_m`` is the noise of single points, ``spacing_m`` their distance, ``misfit_m`` how
     far the surface itself departs from the plane, beyond what noise explains; ``layers_m`` how far apart two layers of
     points lie that cover the same places, 0 where there is one. ``cover_m`` is by how much a strip of carpet on the
-    surface leaves its height and its edges uncertain, and ``aside_m`` its width.
+    surface leaves its height and its edges uncertain, and ``aside_m`` its width, as a shift between stations does.
     """
 
     z0_m: float

@@ -19,6 +19,7 @@ from stair_inspector.stages.climbs import flight_after
 from stair_inspector.stages.flight_values import flight_of, kinds_of
 from stair_inspector.stages.parts import Common
 from stair_inspector.stages.rejects import Forced
+from stair_inspector.stages.side_shifts import with_side_shifts
 from stair_inspector.stages.step_values import StepMeasurer
 from stair_inspector.stages.treads import nearest_rows
 from stair_inspector.stages.unobserved import notes_of_unobserved
@@ -85,6 +86,9 @@ def measure_survey(
         first_id = len(steps) + 1
         after = flight_after(chains, flight_id - 1)
         next_shape = None if after is None else shapes[after][0]
+        if sight is not None:
+            own_shapes, aside = with_side_shifts(own_shapes, sight, flight_id)
+            notes += aside
         measured = StepMeasurer(chain, own_shapes, next_shape, context, params).measure()
         kinds = kinds_of(chain, own_shapes, measured, bases, forced)
         for k, (values, shape, kind) in enumerate(zip(measured, own_shapes, kinds, strict=True)):
