@@ -32,7 +32,10 @@ def settings_table(params: Params) -> Table:
     defaults = Params()
 
     def label(knob: Knob | None) -> str:
-        return "" if knob is None else f"{knob.title} {knob.symbol}".strip()
+        if knob is None or not knob.symbol:
+            return "" if knob is None else knob.title
+        # "vertical reach ε_z", but "front edge, paper's α_f".
+        return f"{knob.title}{',' if ' ' in knob.symbol else ''} {knob.symbol}"
 
     return table_of(
         "settings",
