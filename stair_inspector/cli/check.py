@@ -39,8 +39,9 @@ def run(args: list[str]) -> int:
     folder = Path(options.out) if options.out else None
     if folder is not None:
         check_folder(folder)
-    elif options.report:
-        raise ConfigError("check: got --report without a folder; name one with -o")
+    elif basis is not None:
+        flag = "--full-report" if options.full_report else "--report"
+        raise ConfigError(f"check: got {flag} without a folder; name one with -o")
     paths, worst = headless.paths_of(options, "check", project)
     if folder is not None:
         headless.check_stems(paths)
@@ -53,7 +54,10 @@ def run(args: list[str]) -> int:
         found = check(inspection, *rules)
         written = ""
         if folder is not None:
-            wrote = headless.write_results(scan, inspection, folder, path, found, basis, made_at, pinned=pinned)
+            length = headless.length_asked_for(options)
+            wrote = headless.write_results(
+                scan, inspection, folder, path, found, basis, made_at, length=length, pinned=pinned
+            )
             written = f"\n  {wrote}"
         say(f"{examined_text(inspection)}{scan.name} {check_text(found)}{written}\n")
         if found.is_outside:

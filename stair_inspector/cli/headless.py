@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from stair_inspector.codes import Check, RuleSet
     from stair_inspector.content.fields import ReportBasis
     from stair_inspector.content.pins import PinnedFindings
+    from stair_inspector.content.short import ReportLength
     from stair_inspector.files.projects import Project
     from stair_inspector.model import Inspection, Scan
     from stair_inspector.writers.segmented import SegmentedFormat
@@ -57,6 +58,12 @@ class Headless(CommonOptions):
         Doc(
             "Write the survey report too: DIR/STEM_report.pdf, .html and .xlsx, STEM_plan.dxf and STEM_section.dxf; "
             "it is dated now, or at the seconds since 1970 in the environment variable SOURCE_DATE_EPOCH."
+        ),
+    ] = False
+    full_report: Annotated[
+        tyro.conf.FlagCreatePairsOff[bool],
+        Doc(
+            "Write the report in full, some 14 pages, and not the short one of one page of result and two of evidence."
         ),
     ] = False
     stability: Annotated[
@@ -109,9 +116,14 @@ def rules_of(
     return rule_set, decision
 
 
+def length_asked_for(options: Headless) -> "ReportLength":
+    """Return how long the report is."""
+    return "full" if options.full_report else "short"
+
+
 def basis_asked_for(options: Headless, command: str, project: "Project | None") -> "ReportBasis | None":
     """Return what the report takes from the user; None where no report is wanted."""
-    if not options.report:
+    if not (options.report or options.full_report):
         if options.fields:
             raise ConfigError(f"{command}: got --fields without --report; give both")
         return None
@@ -226,6 +238,7 @@ def write_results(
     made_at: datetime,
     segmented: "Sequence[SegmentedFormat]" = (),
     pinned: "PinnedFindings | None" = None,
+    length: "ReportLength" = "short",
 ) -> str:
     """Write the files of measure, and the report if there is a basis for one, and say which."""
     from stair_inspector.writers.inspection import write_inspection
@@ -234,7 +247,9 @@ def write_results(
     if basis is not None:
         from stair_inspector.writers.report import write_report
 
-        written += write_report(scan, inspection, folder, path.stem, basis, made_at, found, pinned=pinned)
+        written += write_report(
+            scan, inspection, folder, path.stem, basis, made_at, found, length=length, pinned=pinned
+        )
     return f"wrote {', '.join(str(file) for file in written)}"
 
 

@@ -50,8 +50,9 @@ def run(args: list[str]) -> int:
         from stair_inspector.writers.text import inspection_text
 
         found = headless.checked(inspection, rules)
+        length = headless.length_asked_for(measure)
         wrote = headless.write_results(
-            scan, inspection, measure.out, path, found, basis, made_at, measure.segmented, pinned
+            scan, inspection, measure.out, path, found, basis, made_at, measure.segmented, pinned, length
         )
         say(f"{inspection_text(inspection)}\n  {wrote}\n")
         return 0

@@ -9,6 +9,7 @@ from stair_inspector.content.document import Document
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.order import build_document
 from stair_inspector.content.pins import PinnedFindings
+from stair_inspector.content.short import ReportLength, shortened
 from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.pictures.report_views import RenderedView
@@ -55,15 +56,16 @@ def make_report(
     return build_document(inspection, check, basis, made_at, pictures, pinned)
 
 
-def report_bytes(document: Document) -> dict[str, bytes]:
-    """Return the report by suffix: PDF, HTML and XLSX.
+def report_bytes(document: Document, length: ReportLength = "full") -> dict[str, bytes]:
+    """Return the report by suffix: PDF and HTML, short or in full, and XLSX, which holds every table at all times.
 
     Raises
     ------
     MissingLibrary
         A library that typesets is not installed.
     """
-    return dict(zip(SUFFIXES, (pdf_bytes(document), html_bytes(document), xlsx_bytes(document)), strict=True))
+    told = document if length == "full" else shortened(document)
+    return dict(zip(SUFFIXES, (pdf_bytes(told), html_bytes(told), xlsx_bytes(document)), strict=True))
 
 
 def drawing_bytes(inspection: Inspection, made_at: datetime) -> dict[str, bytes]:
@@ -87,10 +89,11 @@ def write_report(
     check: Check | None = None,
     views: Sequence[RenderedView] | None = None,
     pinned: PinnedFindings | None = None,
+    length: ReportLength = "short",
 ) -> list[Path]:
     """Write ``STEM_report.pdf``, ``.html``, ``.xlsx``, ``STEM_plan.dxf`` and ``STEM_section.dxf`` into a folder.
 
-    Parameters as :func:`make_report`.
+    Parameters as :func:`make_report`, and ``length`` as :func:`report_bytes`.
 
     Raises
     ------
@@ -100,7 +103,7 @@ def write_report(
         The folder cannot be written; files that existed are untouched.
     """
     document = make_report(scan, inspection, basis, made_at, check, views, pinned)
-    made = report_bytes(document) | drawing_bytes(inspection, made_at)
+    made = report_bytes(document, length) | drawing_bytes(inspection, made_at)
     contents = {folder / f"{stem}{suffix}": data for suffix, data in made.items()}
     write_all_atomically(contents)
     return list(contents)

@@ -75,7 +75,7 @@ def make(name: str, folder: Path, pictures: Path | None) -> None:
     scan = read_scan(sample_scans() / f"{name}.ply")
     inspection = inspect(scan, find_preset("tls").params)
     found = check(inspection, find_rule_set(RULES))
-    for path in write_report(scan, inspection, folder, name, basis_of(name), MADE_AT, found):
+    for path in write_report(scan, inspection, folder, name, basis_of(name), MADE_AT, found, length="full"):
         print(path)
     if pictures is not None:
         pages = page_pngs(make_report(scan, inspection, basis_of(name), MADE_AT, found), 66.0)

@@ -11,7 +11,8 @@ from stair_inspector.codes import Check
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.project_basis import titled
-from stair_inspector.errors import ConfigError
+from stair_inspector.content.short import LENGTHS, ReportLength, shortened
+from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.model import Inspection
 from stair_inspector.pictures.report_views import RenderedView
 from stair_inspector.viewer.compute.jobs import Tell
@@ -47,6 +48,7 @@ class _Order:
     basis: ReportBasis
     pinned: PinnedFindings
     made_at: datetime.datetime
+    length: ReportLength
 
 
 class ReportMaker:
@@ -58,6 +60,7 @@ class ReportMaker:
         self._editor = context.editor
         self._making = context.making
         self.views = SceneViews(context)
+        self._length: ReportLength = LENGTHS[0]
         widgets = context.widgets
         widgets.button(
             EVERYTHING,
@@ -66,6 +69,13 @@ class ReportMaker:
             hint="PDF, HTML page, XLSX workbook, CSV, JSON, plan and section as DXF, in one ZIP.",
         )
         widgets.buttons("Or one of", DOCUMENTS, self.make)
+        self.length = widgets.choice(
+            "Length",
+            tuple(each.capitalize() for each in LENGTHS),
+            LENGTHS[0].capitalize(),
+            self.set_length,
+            hint="Short: one page of result and two of evidence. Full: some 14 pages. The workbook holds all in both.",
+        )
         widgets.buttons("Drawings", DRAWINGS, self.make, hint="In millimetres, with dimensions.")
         self._from_scene = widgets.checkbox(
             "Views of this scene",
@@ -83,12 +93,18 @@ class ReportMaker:
         data = self._making.make(name, lambda tell: self._made(kind, order, tell))
         self._desk.client.send_file_download(name, data, save_immediately=True)
 
+    def set_length(self, option: str) -> None:
+        """Choose the short or the full report."""
+        self._length = one_of(str(option).lower(), LENGTHS, "length of the report")
+        self.length.show(self._length.capitalize())
+
     def _order(self) -> _Order:
         with self._desk.lock:
             shown = self._desk.result("report")
             work = self._editor.work
             check = self._judge.checked()
-            return _Order(shown, check, titled(work.basis, work.title), work.findings, datetime.datetime.now())
+            basis = titled(work.basis, work.title)
+            return _Order(shown, check, basis, work.findings, datetime.datetime.now(), self._length)
 
     def _made(self, kind: str, order: _Order, tell: Tell) -> bytes:
         if kind in DRAWINGS:
@@ -100,13 +116,16 @@ class ReportMaker:
         document = make_report(
             shown.scan, shown.inspection, order.basis, order.made_at, order.check, views, order.pinned
         )
+        told = {
+            name: document if order.length == "full" or name == "XLSX" else shortened(document) for name in DOCUMENTS
+        }
         if kind in DOCUMENTS:
             tell(f"report: {kind} …", 85.0)
-            return _MAKERS[kind](document)
+            return _MAKERS[kind](told[kind])
         files: dict[str, bytes] = {}
         for number, name in enumerate(DOCUMENTS):
             tell(f"report: {name} …", 80.0 + 4.0 * number)
-            files[f"{stem}{_ENDINGS[name]}"] = _MAKERS[name](document)
+            files[f"{stem}{_ENDINGS[name]}"] = _MAKERS[name](told[name])
         tell("report: drawings …", 94.0)
         for suffix, data in drawing_bytes(shown.inspection, order.made_at).items():
             files[f"{stem}{suffix}"] = data

@@ -1,0 +1,88 @@
+"""The short report: chosen from the full one, in few pages, without what nobody has filled in."""
+
+import dataclasses
+
+import pytest
+
+from stair_inspector.content.document import Facts, Figure, Signatures, Table
+from stair_inspector.content.fields import ReportBasis, ReportFields
+from stair_inspector.content.short import shortened
+from stair_inspector.writers.pdf import pdf_bytes
+from tests.writers.samples import BASIS, MADE_AT, checked, document, pdf_pages, plain_document, scanned
+
+
+def columns_of(table):
+    return {column.title: [row[number] for row in table.rows] for number, column in enumerate(table.columns)}
+
+
+@pytest.mark.parametrize("name", ["straight", "defective_step"])
+def test_all_that_it_says_stands_in_the_full_report(name):
+    full = document(name)
+    short = shortened(full)
+    tables = {table.key: table for table in full.tables()}
+    assert short.tables()
+    for table in short.tables():
+        known = columns_of(tables[table.key])
+        for title, cells in columns_of(table).items():
+            assert set(map(str, cells)) <= set(map(str, known[title])), (table.key, title)
+        assert table.rows
+    figures = {figure.key: figure.data for figure in full.figures()}
+    assert {figure.key: figures[figure.key] for figure in short.figures()} == {
+        figure.key: figure.data for figure in short.figures()
+    }
+
+
+def test_the_first_page_has_every_judged_rule_and_the_next_two_the_evidence():
+    full = dataclasses.replace(document("defective_step"))
+    pages = pdf_pages(pdf_bytes(shortened(full)))
+    assert len(pages) == 4
+    found = checked()
+    (rules,) = [table for table in full.tables() if table.key == "rules"]
+    judged = [row for row in rules.rows if "outside" in str(row[-1]) or "within" in str(row[-1])]
+    assert len(judged) == 7
+    for row in judged:
+        assert str(row[0]) in pages[0]
+    assert found.is_outside
+    assert "values outside limits" in pages[0]
+    assert "Dimensions of the steps" in pages[1]
+    for step in scanned()[1].steps:
+        assert f"{1000.0 * step.rise_m.value:.1f}" in pages[1]
+    assert "not plainly within" in pages[2]
+    assert "Signature" in pages[3]
+
+
+def test_a_report_without_readings_is_three_pages():
+    inspection = scanned("straight")[1]
+    assert len(pdf_pages(pdf_bytes(shortened(plain_document(inspection, checked("straight")))))) == 3
+
+
+def test_forms_that_nobody_has_filled_take_no_room():
+    inspection, found = scanned("straight")[1], checked("straight")
+    bare = shortened(plain_document(inspection, found))
+    assert {block.key for block in bare.blocks() if isinstance(block, Facts)} == {"scan"}
+    assert [table.key for table in bare.tables() if table.key in ("readings", "checklist", "findings")] == []
+    (signed,) = [block for block in bare.blocks() if isinstance(block, Signatures)]
+    assert [role for role, _ in signed.items] == ["Inspector"]
+    filled = ReportBasis(fields=ReportFields(reviewed_by="P. Moss", instrument_model="RTC"), readings=BASIS.readings)
+    short = shortened(plain_document(inspection, found, filled))
+    (signed,) = [block for block in short.blocks() if isinstance(block, Signatures)]
+    assert [role for role, _ in signed.items] == ["Inspector", "Reviewer"]
+    assert "readings" in {table.key for table in short.tables()}
+    assert ("Model", "RTC") in [
+        (label.split()[-1].capitalize(), value)
+        for block in short.blocks()
+        if isinstance(block, Facts) and block.key == "instrument"
+        for label, value in block.items
+    ]
+
+
+def test_a_scan_without_a_check_or_a_staircase_has_a_short_report_too():
+    inspection = scanned("straight")[1]
+    unchecked = shortened(plain_document(inspection))
+    assert {"flights", "steps", "scan"} <= {getattr(block, "key", "") for block in unchecked.blocks()}
+    empty = dataclasses.replace(inspection, steps=(), flights=(), patches=())
+    short = shortened(plain_document(empty))
+    assert not [block for block in short.blocks() if isinstance(block, Table) and not block.rows]
+    assert not [block for block in short.blocks() if isinstance(block, Figure)]
+    assert short.sections[-1].title == "Sign-off"
+    assert short.made_at == MADE_AT
