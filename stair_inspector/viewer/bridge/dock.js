@@ -13,9 +13,15 @@
     const canvas = document.querySelector('canvas[data-engine]');
     if (!canvas) return;
     const box = canvas.getBoundingClientRect();
+    /* On a phone viser's panel is a sheet at the foot of the window. */
+    const sheet = document.querySelector('.mantine-Paper-root[style*="width: 20em"]');
+    const below = sheet ? sheet.offsetHeight : 0;
+    dock.style.bottom = below + 'px';
     dock.style.left = box.left + 'px';
     dock.style.width = box.width + 'px';
-    root.style.setProperty('--si-dock', dock.offsetHeight + 'px');
+    const edge = dock.querySelector('[data-testid=dock-edge]');
+    edge.setAttribute('aria-valuenow', Math.round((100 * dock.offsetHeight) / innerHeight));
+    root.style.setProperty('--si-dock', dock.offsetHeight + below + 'px');
   };
   const cellsOf = (element) =>
     new Map(

@@ -12,6 +12,8 @@ _ID = "stair-inspector-dock"
 _HEIGHT = "--si-dock"
 _FOLDED = "stair-inspector-folded"
 _LOWEST_PX = 60
+_KEY_PX = 24
+"""By how much an arrow key moves the upper edge."""
 _SHARE = 0.37
 """Of the page's height, at most; until its upper edge is dragged."""
 BODY = "dock-body"
@@ -23,6 +25,8 @@ _STYLE = (
     f".{_FOLDED} #{_ID} [data-testid={BODY}]{{display:none}}"
     f".{_FOLDED} #{_ID} [data-testid=dock-fold]{{transform:rotate(-90deg)}}"
     f"#{_ID} th{{background:var(--mantine-color-body);z-index:1}}"
+    f"#{_ID} [data-testid=dock-edge]::after{{content:'';position:absolute;left:50%;top:50%;width:36px;height:3px;"
+    "margin:-1px 0 0 -18px;border-radius:2px;background:var(--mantine-color-dimmed);opacity:.6}"
     "@keyframes stair-inspector-changed{from{background:rgba(250,176,5,.55)}to{background:transparent}}</style>"
 )
 
@@ -73,13 +77,25 @@ def _handle() -> str:
         f"const b=this.parentElement.querySelector('[data-testid={BODY}]');this._y=event.clientY;"
         "this._h=b.offsetHeight;this.setPointerCapture(event.pointerId)"
     )
-    move = (
-        f"if(this._y!==undefined){{const h=Math.min(Math.max(this._h+this._y-event.clientY,{_LOWEST_PX}),"
-        f"innerHeight*.75);document.documentElement.style.setProperty('{_HEIGHT}-most',h+'px');"
-        "window.dispatchEvent(new Event('stair-inspector-dock'))}"
+    move = f"if(this._y!==undefined){{{_resize('this._h+this._y-event.clientY')}}}"
+    step = f"b.offsetHeight+(event.key==='ArrowUp'?{_KEY_PX}:-{_KEY_PX})"
+    by_key = (
+        "if(/^Arrow(Up|Down)$/.test(event.key)){event.preventDefault();event.stopPropagation();"
+        f"const b=this.parentElement.querySelector('[data-testid={BODY}]');{_resize(step)}}}"
     )
     return (
-        f'<div data-testid="dock-edge" onpointerdown="{text(begin)}" onpointermove="{text(move)}" '
-        'onpointerup="this._y=undefined" style="position:absolute;top:-4px;left:0;right:0;height:8px;'
-        'cursor:ns-resize;touch-action:none"></div>'
+        '<div data-testid="dock-edge" data-key="dock-edge" role="separator" aria-orientation="horizontal" '
+        f'aria-label="Height of the table" aria-valuenow="{100 * _SHARE:.0f}" tabindex="0" onkeydown="{text(by_key)}" '
+        f'onpointerdown="{text(begin)}" onpointermove="{text(move)}" '
+        'onpointerup="this._y=undefined" onpointercancel="this._y=undefined" style="position:absolute;top:-4px;'
+        'left:0;right:0;height:8px;cursor:ns-resize;touch-action:none"></div>'
+    )
+
+
+def _resize(height: str) -> str:
+    """Return the script that lets the body be so high, an expression in pixels."""
+    return (
+        f"const h=Math.min(Math.max({height},{_LOWEST_PX}),innerHeight*.75);"
+        f"document.documentElement.style.setProperty('{_HEIGHT}-most',h+'px');"
+        "window.dispatchEvent(new Event('stair-inspector-dock'))"
     )

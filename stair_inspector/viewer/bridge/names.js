@@ -61,13 +61,16 @@
     if (!head || head.hasAttribute('tabindex')) return;
     head.tabIndex = 0;
     head.addEventListener('keydown', openFolderByKey);
+    /* Stair and table are to be seen first. */
+    if (!window.__stairInspectorSheet) head.click();
+    window.__stairInspectorSheet = true;
   };
   const nameAll = () => {
     waiting = 0;
     document.querySelectorAll('label[for]').forEach(nameRow);
     document.querySelectorAll('button').forEach(nameButton);
     document.querySelectorAll('svg.tabler-icon-chevron-down,svg.tabler-icon-chevron-up').forEach(nameFolder);
-    document.querySelectorAll('.mantine-ScrollArea-root[style*="20em"]').forEach(nameSheet);
+    document.querySelectorAll('.mantine-Paper-root[style*="width: 20em"]').forEach(nameSheet);
   };
   let waiting = 0;
   const later = () => {

@@ -12,6 +12,21 @@ READABLE = (
 )
 """viser's labels have a contrast of 3.3, its grey buttons too, and the ends of its sliders are written in 9 pixels.
 Text needs 4.5 and 11 pixels."""
+PHONE = (
+    "<style>@media(max-width:36em){"
+    '.mantine-Paper-root[style*="width: 20em"]{max-height:42%!important}'
+    '[style*="width: 20em"]{width:100vw!important}'
+    "[data-testid=dock-body]{max-height:var(--si-dock-most,26vh)!important}"
+    "[data-testid=dock] td:first-child{position:sticky;left:0;background:var(--mantine-color-body)}"
+    "[data-testid=toolbar],[data-testid=overlay] [data-testid=legend]"
+    "{flex-wrap:nowrap!important;overflow-x:auto;scrollbar-width:none;pointer-events:auto}"
+    '.mantine-Paper-root[style*="width: 20em"] [data-orientation=horizontal]{display:none}'
+    "[data-testid=toolbar]>span{flex:none}}"
+    "@media(pointer:coarse){[data-testid=dock-edge]{top:-14px!important;height:24px!important}"
+    "[data-testid=swipe]{width:36px!important;margin-left:-18px!important}}</style>"
+)
+"""Where viser's panel is a sheet at the foot of the window it is as wide as that, and stair and table stand above it.
+What is dragged by a finger is wide enough for one."""
 NARROW_TABS = "<style>[data-dock-tab][role=tab]{padding:0 .58em!important}</style>"
 """So that all tabs of the panel stand on one line."""
 CLEAR_OF_THE_SCROLLBAR = (

@@ -10,7 +10,7 @@ from stair_inspector.viewer.bridge.markup import title_html
 from stair_inspector.viewer.bridge.names import names_html
 from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_html
 from stair_inspector.viewer.bridge.shortcuts import keys_html
-from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR, READABLE
+from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR, PHONE, READABLE
 from stair_inspector.viewer.bridge.two_views import Arrangement, two_views_html
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import headline_html
@@ -41,7 +41,7 @@ class Frame(PagePart):
         gui.set_panel_label("stair_inspector")
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        widgets.html(keys_html() + names_html() + CLEAR_OF_THE_SCROLLBAR + READABLE)
+        widgets.html(keys_html() + names_html() + CLEAR_OF_THE_SCROLLBAR + READABLE + PHONE)
         self._title = widgets.html()
         self.toolbar = widgets.html()
         self.legend = widgets.html()
