@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stair_inspector.geometry import clusters as clustering
 from stair_inspector.geometry.clusters import cluster_cells, cluster_sorted, find_reach
 
 N_BINARY_DIGITS = 64
@@ -93,6 +94,17 @@ def test_equals_sklearn_on_an_even_comb_with_eps_its_pitch(step):
     # 0.01 * n differs from its neighbour by slightly more or less than 0.01: the comparison itself is under test.
     for m in (1, 2, 3, 4):
         assert_is_dbscan(np.arange(300) * step, step, m)
+
+
+@pytest.mark.parametrize("piece", [1, 7, 299, 300, 301])
+def test_neighbourhoods_that_reach_over_the_ends_of_pieces_are_whole(piece, monkeypatch):
+    monkeypatch.setattr(clustering, "_PIECE", piece)
+    ties = np.sort(np.round(np.random.default_rng(piece).uniform(0.0, 1.5, 300), 2))
+    for values, eps in ((np.arange(300) * 0.01, 0.01), (ties, 0.01), (ties, 0.1), (ties, 2.0)):
+        reach = find_reach(values, eps)
+        is_near = (values[:, None] - values) ** 2 <= eps * eps
+        np.testing.assert_array_equal(reach.stop, 300 - is_near[:, ::-1].argmax(axis=1))
+        np.testing.assert_array_equal(reach.first, is_near.argmax(axis=1))
 
 
 @pytest.mark.parametrize(("a", "b", "eps"), [(-0.04, -0.01, 0.03), (-0.02, 0.01, 0.03), (-0.07, -0.02, 0.05)])
