@@ -21,6 +21,8 @@ how many such places tell; and the share of the smaller part's cells that hang t
 _LONGEST = 0.85
 """A strip along so much of the second axis is how the surface was made or worn there."""
 _ROUNDS = 8
+_HOPELESS = 0.25
+"""Parts that lie no farther apart than this share of the least step, at any slope on the way, are one level."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +66,7 @@ def find_raised(plan: Floats, z: Floats) -> Raised | None:
     -----
     The slope of the surface is the median of what cells some apart differ by, since most pairs lie on one level; a step
     up or down moves it little. Heights without that slope are parted in two by Otsu's threshold, and the slope is
-    fitted again with a level of its own for either part, until nothing changes.
+    fitted again with a level of its own for either part, until nothing changes, or until they are one level.
     """
     corner = plan.min(axis=1)
     x, y = _columns(plan, corner)
@@ -96,6 +98,9 @@ def find_raised(plan: Floats, z: Floats) -> Raised | None:
         design = np.stack([np.ones(len(full)), rows, columns, is_high.astype(np.float64)], axis=1)
         found = np.linalg.lstsq(design[clear], grid.ravel()[full][clear], rcond=None)[0]
         high_m = float(found[3])
+        if high_m < _HOPELESS * _LEAST_M:
+            # Halves of one level: no other slope makes them so much of a step.
+            return None
         levelled = _means_around(grid - _plane(found[:3], shape))
         if np.array_equal(before, is_high):
             break

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from stair_inspector.geometry import raised
 from stair_inspector.geometry.raised import find_raised
 
 DEPTH, WIDTH = 0.28, 1.1
@@ -62,6 +63,14 @@ def uneven(kind, plan, rng):
 def test_what_is_worn_bent_or_noisy_is_no_two_levels(kind, sigma_m):
     plan, z, rng = surface(2, sigma_m)
     assert find_raised(plan, z + uneven(kind, plan, rng)) is None
+
+
+def test_a_surface_of_one_level_is_told_in_one_round(monkeypatch):
+    plan, z, _ = surface(sigma_m=0.0003)
+    rounds = []
+    monkeypatch.setattr(raised, "_otsu", lambda values: rounds.append(1) or float(np.median(values)))
+    assert find_raised(plan, z) is None
+    assert len(rounds) == 1
 
 
 def test_few_points_say_nothing():
