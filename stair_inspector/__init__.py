@@ -18,11 +18,13 @@ if TYPE_CHECKING:
     from stair_inspector.errors import WriteError as WriteError
     from stair_inspector.files.scans import read_scan as read_scan
     from stair_inspector.interface.functions import check as check
+    from stair_inspector.interface.functions import compare as compare
     from stair_inspector.interface.functions import inspect as inspect
     from stair_inspector.interface.functions import measure as measure
     from stair_inspector.interface.functions import simulate as simulate
     from stair_inspector.interface.plain_table import PlainTable as PlainTable
     from stair_inspector.interface.results import StairCheck as StairCheck
+    from stair_inspector.interface.results import StairComparison as StairComparison
     from stair_inspector.interface.results import StairInspection as StairInspection
     from stair_inspector.model import Inspection as Inspection
     from stair_inspector.model import Measured as Measured
@@ -34,9 +36,9 @@ _NAMES = {
     "codes": ("Check", "RuleSet"),
     "errors": ("CannotMeasure", "ConfigError", "MissingLibrary", "ReadError", "StairError", "WriteError"),
     "files.scans": ("read_scan",),
-    "interface.functions": ("check", "inspect", "measure", "simulate"),
+    "interface.functions": ("check", "compare", "inspect", "measure", "simulate"),
     "interface.plain_table": ("PlainTable",),
-    "interface.results": ("StairCheck", "StairInspection"),
+    "interface.results": ("StairCheck", "StairComparison", "StairInspection"),
     "model": ("Inspection", "Measured", "Scan"),
     "params": ("Params",),
 }

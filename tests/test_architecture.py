@@ -27,6 +27,7 @@ ROOMS = (
     ("memo",),
     ("pipeline",),
     ("stability",),
+    ("comparison",),
     ("files",),
     ("content",),
     ("pictures",),
@@ -59,6 +60,7 @@ CORE = {
     "memo",
     "pipeline",
     "stability",
+    "comparison",
 }
 HEAVY = {"open3d", "pandas", "trimesh", "sklearn", "scipy", "typst", "ezdxf", "xlsxwriter"}
 """Imported only inside the functions that need them: each takes up to seconds."""

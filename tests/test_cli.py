@@ -28,7 +28,7 @@ from stair_inspector.writers.inspection import write_inspection
 from tests.synthetic import Stair
 
 ROOT = Path(__file__).parent.parent
-COMMANDS = ("view", "measure", "check", "rules", "simulate", "presets", "quantities", "completion")
+COMMANDS = ("view", "measure", "check", "compare", "rules", "simulate", "presets", "quantities", "completion")
 UP_Z = ("--up", "z", "--unit", "m")
 
 
@@ -554,7 +554,7 @@ def test_only_flights_that_climb_the_given_way_are_measured(measured, climb, n_f
 
 
 def test_unknown_command(run):
-    commands = "view, measure, check, rules, simulate, presets, quantities, completion"
+    commands = "view, measure, check, compare, rules, simulate, presets, quantities, completion"
     expected = f"'mesure' is no command; give one of {commands} (see --help)"
     assert refusal(run, "mesure", "a.ply") == expected
 

@@ -15,7 +15,7 @@ from stair_inspector import __version__
 from stair_inspector.cli.output import internal_words, report_error
 from stair_inspector.errors import CannotMeasure, ConfigError, StairError
 
-COMMANDS = ("view", "measure", "check", "rules", "simulate", "presets", "quantities", "completion")
+COMMANDS = ("view", "measure", "check", "compare", "rules", "simulate", "presets", "quantities", "completion")
 
 _USAGE = """\
 usage: stair-inspector [COMMAND] [OPTIONS]
@@ -28,6 +28,8 @@ commands:
                             with --project FILE the numbers of a project saved by the web inspector;
                             with --report the survey report as PDF, HTML and XLSX, and drawings as DXF
   check SCAN ... --rules ID measure, then hold every value against a rule set; -o DIR writes the files of measure too
+  compare BEFORE AFTER      what changed between two scans of one stair, beyond the uncertainty of both;
+                            -o DIR writes DIR/BEFORE_AFTER_comparison.json and .csv
   rules                     list the rule sets; --show ID prints one, --toml ID its file, to copy and change
   simulate OUT.ply          a scan of a known staircase by a simulated scanner, and OUT.truth.json
   presets                   list the presets
@@ -38,7 +40,7 @@ commands:
 
 exit codes: 0 done; 1 check found a value outside a limit;
             2 wrong usage or settings, or an output that cannot be written;
-            3 a scan could not be read or measured, or nothing in it be judged (the others are still done)
+            3 a scan could not be read or measured, nothing in it be judged, or two be compared (the others are done)
             0 from check is no pass by itself: values that were not measured are listed as such
 """
 

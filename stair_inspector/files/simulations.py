@@ -148,6 +148,7 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
                 "fall_deg": step.fall_deg,
                 "cross_fall_deg": step.cross_fall_deg,
                 "dish_m": step.dish_m,
+                "worn_m": step.worn_m,
                 "rise_lcr_m": _tidy_all(step.rise_lcr_m),
                 "going_lcr_m": None if step.going_lcr_m is None else _tidy_all(step.going_lcr_m),
                 "pitch_deg": None if step.pitch_deg is None else _tidy(step.pitch_deg),
@@ -179,7 +180,8 @@ def truth_of(simulated: SimulatedScan) -> dict[str, Any]:
             "climb": "Unit vector up the stair at this step, seen from above.",
             "is_missing": "The step is not built; its measures are those it would have, its neighbours' are to it.",
             "tread_depth_m": "From the nosing to the face of the riser above, or to the back edge.",
-            "height_m": "Height of the nosing at mid-width above the floor: of the strip where it stands proud; where "
+            "height_m": "Height of the nosing at mid-width above the floor: of the strip where it stands proud, of the "
+            "tread's plane where it is worn by worn_m; where "
             "the edge is rounded, of the line where the plane of the tread meets the upright in front.",
             "nosing_m": "Left and right end, as seen when climbing.",
             **(_CURVED_CONVENTIONS if stair is not None and stair.shape == "curved" else {}),

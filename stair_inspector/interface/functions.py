@@ -7,6 +7,7 @@ from typing import Any
 from stair_inspector import codes, pipeline
 from stair_inspector.codes import Decision, RuleSet, overlaid
 from stair_inspector.codes.findings import DECISIONS
+from stair_inspector.comparison.compare import compare_scans
 from stair_inspector.declarations import fields_of
 from stair_inspector.errors import ConfigError, brief, one_of
 from stair_inspector.files.paths import as_path, path_text
@@ -15,7 +16,7 @@ from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import DEFAULT_PRESET, find_preset
 from stair_inspector.files.simulations import truth_of, write_simulation
 from stair_inspector.files.toml import check_keys
-from stair_inspector.interface.results import StairCheck, StairInspection
+from stair_inspector.interface.results import StairCheck, StairComparison, StairInspection
 from stair_inspector.model import Scan
 from stair_inspector.params import SETTINGS, FileReading, Params
 from stair_inspector.simulation.scanner_specs import PROFILES, Scanner
@@ -153,6 +154,39 @@ def check(
         rule_set = overlaid(rule_set, _rule_set_of(overlay))
     decided = one_of(decision, DECISIONS, "decision")
     return StairCheck(found, codes.check(found.inspection, rule_set, "simple" if decided == "simple" else "guarded"))
+
+
+def compare(before: StairInspection, after: StairInspection) -> StairComparison:
+    """Compare two inspections of one stair, as ``stair-inspector compare`` does.
+
+    Parameters
+    ----------
+    before, after : StairInspection
+        As ``measure`` or ``inspect`` returns them, by survey; the scans may lie anywhere to each other.
+
+    Returns
+    -------
+    StairComparison
+        The later scan is laid onto the earlier one on what did not move.
+
+    Raises
+    ------
+    ConfigError
+        What was given is no inspection, or one by the paper's method.
+    CannotMeasure
+        Another stair, too little in common, or a question open in one of the scans.
+
+    Examples
+    --------
+    >>> import stair_inspector as si
+    >>> found = si.measure("stair.ply", preset="tls")
+    >>> si.compare(found, found).changed
+    ()
+    """
+    for given in (before, after):
+        if not isinstance(given, StairInspection):
+            raise ConfigError(f"compare: got {brief(given)}; give inspections as measure or inspect returns them")
+    return StairComparison(compare_scans(before.scan, before.inspection, after.scan, after.inspection))
 
 
 def simulate(path: str | os.PathLike[str], *, profile: str = "none", **settings: Any) -> dict[str, Any]:

@@ -7,15 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stair_inspector.codes import Check
+from stair_inspector.content.comparisons import changes_table
 from stair_inspector.content.document import Block, Bullets, Cell, Number, Paragraph, Status
 from stair_inspector.content.examination import examination_lines
 from stair_inspector.content.rule_tables import results_table
 from stair_inspector.content.tables import flights_table, paper_table, steps_table
 from stair_inspector.content.verdicts import verdict_sentence
 from stair_inspector.interface.plain_table import PlainTable, TableCell, as_pandas
-from stair_inspector.model import Flight, Inspection, Note, Observation, Scan, Step
+from stair_inspector.model import Flight, Inspection, Note, Observation, Scan, ScanComparison, Step
 from stair_inspector.params import Params
 from stair_inspector.quantities import IN_TABLE, SHOWN_OF_PAPER
+from stair_inspector.writers.comparison import comparison_json_bytes, write_comparison
 from stair_inspector.writers.csv import CSV_COLUMNS, csv_column, csv_rows
 from stair_inspector.writers.html import notebook_html
 from stair_inspector.writers.inspection import write_inspection
@@ -187,6 +189,54 @@ class StairCheck:
 
     def _repr_html_(self) -> str:
         return notebook_html([Paragraph(self.sentence), results_table(self.check)])
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class StairComparison:
+    """What changed between two scans of one stair; a notebook shows it as the table of changes, with what was noted.
+
+    ``comparison`` holds every change in metres and degrees, and the map of each tread.
+    """
+
+    comparison: ScanComparison
+
+    @property
+    def changed(self) -> tuple[int, ...]:
+        """The steps, by their numbers in the earlier scan, of which anything changed."""
+        return tuple(step.before_id for step in self.comparison.steps if step.is_changed)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What changed, in words."""
+        return tuple(note.message for note in self.comparison.notes)
+
+    def table(self) -> "pandas.DataFrame | PlainTable":
+        """Return one row per step, the changes as texts with their U; a DataFrame where pandas is installed."""
+        table = changes_table(self.comparison)
+        rows = tuple(tuple(map(_plain_cell, row)) for row in table.rows)
+        return as_pandas(PlainTable(tuple(column.title for column in table.columns), rows))
+
+    def to_json(self) -> str:
+        """Return what ``stair-inspector compare -o`` writes: lengths in metres, schema comparison-1."""
+        return comparison_json_bytes(self.comparison).decode("utf-8")
+
+    def write(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """Write JSON and CSV, named as the two scans, into a folder, and return their paths.
+
+        Raises
+        ------
+        WriteError
+            The folder cannot be made or written; files that existed are untouched.
+        """
+        stems = (Path(scan.name).stem for scan in (self.comparison.before, self.comparison.after))
+        return write_comparison(self.comparison, Path(folder), *stems)
+
+    def __repr__(self) -> str:
+        found = self.comparison
+        return f"<StairComparison of {found.before.name} and {found.after.name}: {'; '.join(self.sentences)}>"
+
+    def _repr_html_(self) -> str:
+        return notebook_html([Bullets(self.sentences), changes_table(self.comparison)])
 
 
 def _plain_cell(cell: Cell) -> TableCell:

@@ -7,6 +7,13 @@ Arrays are float64, contiguous and read-only unless a line says otherwise. "Loca
 scan's own axes with ``Scan.origin_m`` subtracted; the scan frame has it added again.
 """
 
+from stair_inspector.model.comparison import (
+    EpochAlignment,
+    ScanComparison,
+    StepChange,
+    TreadDeviations,
+    ValueChange,
+)
 from stair_inspector.model.heights import (
     FLOOR_LABEL,
     NON_STAIR_LABEL,
@@ -51,6 +58,7 @@ __all__ = [
     "Chain",
     "Chains",
     "Edges",
+    "EpochAlignment",
     "Examination",
     "Extents",
     "Flight",
@@ -73,12 +81,16 @@ __all__ = [
     "Patches",
     "ReadPart",
     "Scan",
+    "ScanComparison",
     "ScanStations",
     "ScanSummary",
     "Statistics",
     "Step",
+    "StepChange",
     "StepShape",
     "Surface",
     "Surfaces",
+    "TreadDeviations",
     "Up",
+    "ValueChange",
 ]

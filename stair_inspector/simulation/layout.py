@@ -58,6 +58,7 @@ class StepTruth:
     fall_deg: float
     cross_fall_deg: float
     dish_m: float
+    worn_m: float
     nosing: tuple[Point, Point]
     plan: Footprint
     rise_lcr_m: Three
@@ -71,8 +72,12 @@ class StepTruth:
         """Unit vector up the stair, seen from above."""
         return self.plan.climb
 
+    def nosing_top(self, x: float, y: float) -> float:
+        """Return the height of the strip at the nosing, which may be worn, at x and y."""
+        return self.top(x, y) - self.worn_m
+
     def top(self, x: float, y: float) -> float:
-        """Return the height of the plane through the nosing, without dish or strip, at x and y."""
+        """Return the height of the plane through the nosing, without dish, strip or wear, at x and y."""
         (middle_x, middle_y), (climb_x, climb_y) = self.plan.middle, self.plan.climb
         ahead = (x - middle_x) * climb_x + (y - middle_y) * climb_y
         aside = (y - middle_y) * climb_x - (x - middle_x) * climb_y
@@ -95,6 +100,7 @@ def lay_out(stair: Stair) -> tuple[StepTruth, ...]:
     falls = parse_errors("stair.fall_errors_deg", stair.fall_errors_deg, last, math.inf)
     cross_falls = parse_errors("stair.cross_fall_errors_deg", stair.cross_fall_errors_deg, last, math.inf)
     dishes = parse_errors("stair.dish_errors_m", stair.dish_errors_m, last, math.inf)
+    worn = parse_errors("stair.wear_errors_m", stair.wear_errors_m, last, math.inf)
     missing = parse_steps("stair.missing_treads", stair.missing_treads, last)
     steps: list[StepTruth] = []
     height = 0.0
@@ -119,6 +125,7 @@ def lay_out(stair: Stair) -> tuple[StepTruth, ...]:
             fall_deg=falls.get(k, 0.0),
             cross_fall_deg=cross_falls.get(k, 0.0),
             dish_m=dishes.get(k, 0.0),
+            worn_m=worn.get(k, 0.0),
             nosing=((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
             plan=plan,
             rise_lcr_m=(rise, rise, rise),
@@ -127,7 +134,7 @@ def lay_out(stair: Stair) -> tuple[StepTruth, ...]:
             shape=shape,
             is_missing=k in missing,
         )
-        left, right = ((x, y, step.top(x, y)) for x, y in plan.front)
+        left, right = ((x, y, step.nosing_top(x, y)) for x, y in plan.front)
         steps.append(dataclasses.replace(step, nosing=(left, right)))
     measured = _measured(stair, steps)
     return measured + _twins(stair, measured) if stair.twin_gap_m else measured
@@ -175,7 +182,7 @@ def _measured(stair: Stair, steps: list[StepTruth]) -> tuple[StepTruth, ...]:
         measured.append(
             dataclasses.replace(
                 step,
-                rise_m=step.rise_m if is_plain else middle,
+                rise_m=step.rise_m - step.worn_m + (before.worn_m if before else 0.0) if is_plain else middle,
                 going_m=going,
                 rise_lcr_m=(left, middle, right),
                 going_lcr_m=goings,
@@ -191,16 +198,16 @@ def _measured(stair: Stair, steps: list[StepTruth]) -> tuple[StepTruth, ...]:
 def _rise_on(stair: Stair, before: StepTruth | None, step: StepTruth, share: float) -> float:
     """Return the height of a nosing above the one below, on the line of climb through a share of its length."""
     x, y = along(step.plan.front, share)
-    height = step.top(x, y)
+    height = step.nosing_top(x, y)
     if before is None:
         return height
     if _is_turning_landing(stair, before.step_id):
         return height - before.top(*along(step.plan.riser, share))
     if stair.shape == "curved":
-        return height - before.top(*along(before.plan.front, share))
+        return height - before.nosing_top(*along(before.plan.front, share))
     back_x, back_y = step.climb
     below = _meeting((x, y), (-back_x, -back_y), before.plan.front)
-    return height - before.top(*shifted((x, y), (-back_x, -back_y), below))
+    return height - before.nosing_top(*shifted((x, y), (-back_x, -back_y), below))
 
 
 def _going_on(stair: Stair, plan: Footprint, after: Footprint, share: float) -> float:

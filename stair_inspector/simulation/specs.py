@@ -162,6 +162,13 @@ class Stair(Group):
     dish_errors_m: Annotated[
         str, Doc("Treads that are worn hollow, as step:metres at the deepest point (2:0.005); the edges stay.")
     ] = ""
+    wear_errors_m: Annotated[
+        str,
+        Doc(
+            "Nosings that are worn, as step:metres (4:0.003): a strip 50 mm deep lies this much lower than the rest of "
+            "its tread. Not together with strips proud, rounded nosings or a dish."
+        ),
+    ] = ""
     skew_errors_m: Annotated[
         str,
         Doc(
@@ -193,6 +200,7 @@ class Stair(Group):
         parse_errors("stair.fall_errors_deg", self.fall_errors_deg, last, 10.0)
         parse_errors("stair.cross_fall_errors_deg", self.cross_fall_errors_deg, last, 5.0)
         parse_errors("stair.dish_errors_m", self.dish_errors_m, last, SLAB_M / 2.0)
+        self._check_wear()
         parse_errors("stair.skew_errors_m", self.skew_errors_m, last, _LARGEST_SKEW_M)
         self._check_missing()
         self._check_turn()
@@ -213,6 +221,19 @@ class Stair(Group):
     def is_turning(self) -> bool:
         """Whether one leaves the stair in another direction than one enters it, or beside the way one came."""
         return self.turn != "none" or self.shape != "straight"
+
+    def _check_wear(self) -> None:
+        worn = parse_errors("stair.wear_errors_m", self.wear_errors_m, self.n_risers, SLAB_M / 2.0)
+        if any(depth < 0.0 for depth in worn.values()):
+            raise ConfigError(f"stair.wear_errors_m: got {self.wear_errors_m!r}; give depths, which are not negative")
+        others = {
+            "strip_proud_m": self.strip_proud_m > 0.0,
+            "round_nosing_m": self.round_nosing_m > 0.0,
+            "dish_errors_m": bool(self.dish_errors_m.strip()),
+        }
+        for name, is_set in others.items():
+            if worn and is_set:
+                raise ConfigError(f"stair.wear_errors_m: not possible with {name}; leave one of them out")
 
     def _check_missing(self) -> None:
         steps = parse_steps("stair.missing_treads", self.missing_treads, self.n_risers - 1)

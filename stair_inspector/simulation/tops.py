@@ -33,7 +33,7 @@ def add_top(
     rest, rest_edge = ring, edge
     if proud or not step.dish_m:
         strip, rest, rest_edge = _cut(ring, plan.front, _STRIP_M)
-        heights = [step.top(*corner) for corner in strip]
+        heights = [step.nosing_top(*corner) for corner in strip]
         shapes.level(strip, heights, BuiltSurface(step.kind, k, COLOURS["strip"], k, crease))
         if proud:
             for start, stop in around(strip):
@@ -44,8 +44,12 @@ def add_top(
         shapes.add(*_dished(step, rest_edge, proud), surface)
     else:
         shapes.level(rest, [step.top(*corner) - proud for corner in rest], surface)
+        if step.worn_m:
+            (start, stop), worn = rest_edge, step.worn_m
+            high = (step.top(*stop), step.top(*start))
+            shapes.quad(upright_face(stop, start, (high[0] - worn, high[1] - worn), high), upright)
     left, right = plan.front
-    high = (step.top(*right) - radius, step.top(*left) - radius)
+    high = (step.nosing_top(*right) - radius, step.nosing_top(*left) - radius)
     shapes.quad(upright_face(right, left, (base, base), high), upright)
     for start, stop in around(ring):
         if not (_is_on(edge, start, stop) or _is_on(plan.back, start, stop)):

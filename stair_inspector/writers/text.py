@@ -97,7 +97,7 @@ def _ascii_unit(quantity: Quantity | PaperQuantity) -> str:
 
 def check_text(check: Check) -> str:
     """Return a check as text: the set and the decision rule, a row per rule, what is outside, what was not judged."""
-    lines = [*_head_of(check), "", *_indented(_aligned(_table_of_rules(check))), ""]
+    lines = [*_head_of(check), "", *_indented(aligned(_table_of_rules(check))), ""]
     lines += _section("outside", _outside(check))
     lines += _section("not measured or not judged", _unjudged(check))
     lines += _section("the scan is not fit for", _fits_of(check, "not fit"))
@@ -123,7 +123,7 @@ def rule_sets_text(rule_sets: Sequence[RuleSet]) -> str:
         (Column("edition"), lambda rule_set: rule_set.edition),
         (Column("name and variant"), name),
     )
-    head, *rows = _aligned(table)
+    head, *rows = aligned(table)
     lines = [head]
     for row, rule_set in zip(rows, rule_sets, strict=True):
         lines += [row, f"    SHA-256 {rule_set.sha256}"]
@@ -148,7 +148,7 @@ def quantities_text() -> str:
             (Column("building codes"), lambda each: (isinstance(each, Quantity) and each.code_term) or "-"),
             (Column("what it is"), lambda each: each.definition),
         )
-        lines += [f"{title}:", *_indented(_aligned(table)), ""]
+        lines += [f"{title}:", *_indented(aligned(table)), ""]
     return "\n".join(lines).rstrip()
 
 
@@ -269,7 +269,7 @@ def _section(title: str, sentences: Iterable[str]) -> list[str]:
     return [f"  {title}:", *rows, ""] if rows else []
 
 
-def _aligned(table: Table) -> list[str]:
+def aligned(table: Table) -> list[str]:
     """Return the head and the rows of a table, its columns aligned, two spaces between them."""
     heads = [column.title for column in table.columns]
     cells = [[column.text(cell) for column, cell in zip(table.columns, row, strict=True)] for row in table.rows]

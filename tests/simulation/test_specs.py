@@ -43,6 +43,14 @@ from stair_inspector.simulation.specs import Stair
         ),
         ({"fall_errors_deg": "2:1,2:2"}, "stair.fall_errors_deg: step 2 is given twice; give it once"),
         (
+            {"wear_errors_m": "2:-0.003"},
+            "stair.wear_errors_m: got '2:-0.003'; give depths, which are not negative",
+        ),
+        (
+            {"wear_errors_m": "2:0.003", "round_nosing_m": 0.01},
+            "stair.wear_errors_m: not possible with round_nosing_m; leave one of them out",
+        ),
+        (
             {"dish_errors_m": "2:nan"},
             "stair.dish_errors_m: got nan for step 2; give a value from -0.02 to 0.02",
         ),

@@ -102,6 +102,19 @@ def test_defects_are_in_the_geometry_and_in_the_truth():
     assert steps[6].dish_m == 0.006
 
 
+def test_a_worn_nosing_is_a_strip_that_lies_lower_and_its_rises_say_so():
+    building = build(Stair(n_risers=5, wear_errors_m="3:0.003"))
+    steps = building.steps
+    assert [step.rise_m for step in steps] == pytest.approx([0.17, 0.17, 0.167, 0.173, 0.17], abs=1e-12)
+    assert [step.rise_lcr_m[0] for step in steps] == pytest.approx([0.17, 0.17, 0.167, 0.173, 0.17], abs=1e-12)
+    assert [point[2] for point in steps[2].nosing] == pytest.approx([0.507, 0.507], abs=1e-12)
+    worn = top_of(building, steps[2])
+    front = worn[:, 0].min()
+    assert worn[worn[:, 0] < front + 0.049, 2] == pytest.approx(0.507, abs=1e-12)
+    assert worn[worn[:, 0] > front + 0.051, 2] == pytest.approx(0.51, abs=1e-12)
+    assert steps[2].height_m == pytest.approx(0.51, abs=1e-12)
+
+
 def test_flights_are_parted_by_the_landing():
     steps = lay_out(Stair(n_risers=9, landing_after=5, landing_depth_m=1.5))
     assert [step.flight for step in steps] == [1] * 5 + [2] * 4

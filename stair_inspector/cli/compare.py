@@ -1,0 +1,73 @@
+"""``stair-inspector compare``: what changed between two scans of one stair."""
+
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+from typing_extensions import Doc
+
+from stair_inspector.cli.arguments import CommonOptions, check_folder, parse_arguments, preset_params
+from stair_inspector.cli.output import internal_words, report_error, say
+from stair_inspector.errors import CannotMeasure, ConfigError, StairError
+
+if TYPE_CHECKING:
+    from stair_inspector.model import ScanComparison
+    from stair_inspector.params import Params
+
+
+@dataclass(frozen=True)
+class CompareScans(CommonOptions):
+    """Lay a later scan of a stair onto an earlier one, on what did not move, and tell what changed beyond U.
+
+    Both are measured with the same settings, by survey.
+    """
+
+    before: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="BEFORE"), Doc("The earlier scan.")] = (
+        tyro.MISSING
+    )
+    after: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="AFTER"), Doc("The later scan.")] = tyro.MISSING
+    out: Annotated[
+        str,
+        tyro.conf.arg(aliases=["-o"], metavar="DIR"),
+        Doc("Folder for BEFORE_AFTER_comparison.json and .csv; '' writes none."),
+    ] = ""
+
+
+def run(args: list[str]) -> int:
+    """Compare two scans; return the exit code."""
+    options = parse_arguments(CompareScans, "compare", args, CompareScans(settings=preset_params(args)))
+    if options.settings.method != "survey":
+        raise ConfigError("compare: got --method paper, whose values have no uncertainty; use survey")
+    folder = Path(options.out) if options.out else None
+    if folder is not None:
+        check_folder(folder)
+    try:
+        found = _compare(options.before, options.after, options.settings)
+        from stair_inspector.writers.comparison import comparison_text, write_comparison
+
+        written = ""
+        if folder is not None:
+            paths = write_comparison(found, folder, options.before.stem, options.after.stem)
+            written = f"\n  wrote {', '.join(str(path) for path in paths)}"
+    except StairError as error:
+        if options.debug:
+            traceback.print_exc()
+        return report_error(error)
+    except (MemoryError, OSError) as error:
+        if options.debug:
+            traceback.print_exc()
+        return report_error(CannotMeasure(f"compare: {internal_words(error)}; thin the scans out and try again"))
+    say(f"{comparison_text(found)}{written}")
+    return 0
+
+
+def _compare(before: Path, after: Path, settings: "Params") -> "ScanComparison":
+    from stair_inspector.comparison.compare import compare_scans
+    from stair_inspector.files.scans import read_scan
+    from stair_inspector.pipeline import inspect
+
+    scans = [read_scan(path, *settings.reading) for path in (before, after)]
+    one, two = ((scan, inspect(scan, settings)) for scan in scans)
+    return compare_scans(*one, *two)

@@ -1,0 +1,52 @@
+"""``compare`` on the command line: exit codes, what is printed and written, one line for an error."""
+
+import json
+
+import pytest
+
+from stair_inspector.files.ply import ply_bytes
+from tests.synthetic import Stair
+from tests.test_cli import refusal, run  # noqa: F401 - fixtures
+
+GIVEN = ("--up", "z", "--unit", "m")
+
+
+@pytest.fixture(scope="module")
+def scans(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("epochs")
+    for name, stair in {
+        "earlier": Stair(noise=0.001, seed=1),
+        "later": Stair(noise=0.001, seed=2),
+        "other": Stair(noise=0.001, rise=0.2, going=0.24),
+    }.items():
+        (folder / f"{name}.ply").write_bytes(ply_bytes(stair.sample()[0]))
+    return folder
+
+
+def test_two_scans_are_compared_and_written(run, scans, tmp_path):  # noqa: F811
+    code, out, err = run("compare", scans / "earlier.ply", scans / "later.ply", *GIVEN, "-o", tmp_path / "made")
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert lines[0].startswith("earlier.ply -> later.ply: 5 steps in both; laid onto each other with U of a height of ")
+    assert "  no value changed by more than its uncertainty and chance explain" in lines
+    made = tmp_path / "made" / "earlier_later_comparison.json"
+    assert lines[-1] == f"  wrote {made}, {made.with_suffix('.csv')}"
+    assert json.loads(made.read_text())["schema"] == "stair-inspector/comparison-1"
+
+
+def test_another_stair_is_one_sentence_and_exit_code_3(run, scans):  # noqa: F811
+    code, out, err = run("compare", scans / "earlier.ply", scans / "other.ply", *GIVEN)
+    assert (code, out) == (3, "")
+    assert err.startswith("stair-inspector: earlier.ply and other.ply: not the same stair, or too little in common: ")
+    assert err.count("\n") == 1
+
+
+def test_a_missing_scan_is_exit_code_3_and_wrong_usage_2(run, scans, tmp_path):  # noqa: F811
+    code, _, err = run("compare", scans / "earlier.ply", tmp_path / "none.ply", *GIVEN)
+    assert code == 3
+    assert "none.ply" in err
+    assert "--method paper" in refusal(run, "compare", scans / "earlier.ply", scans / "later.ply", "--method", "paper")
+    assert refusal(run, "compare", scans / "earlier.ply")
+    (tmp_path / "file").write_text("")
+    given = ("compare", scans / "earlier.ply", scans / "later.ply", "-o", tmp_path / "file")
+    assert "is a file, not a folder" in refusal(run, *given)
