@@ -293,7 +293,8 @@ STAGES = (
     ("links", "pace", "gaps", "missing_feet", "runs", "run_ends", "flights"),
     ("planes", "arcs", "climbs", "foot", "runners", "thick_runners", "things", "narrow_slots", "split_flights"),
     ("undersides", "pieces", "plumb"),
-    ("hidden", "pooled", "near_points", "edge_finder", "nosing_heights", "step_shapes", "seen_ends", "face_noise"),
+    ("hidden", "pooled", "near_points", "block_layers", "edge_finder", "nosing_heights", "step_shapes", "seen_ends"),
+    ("face_noise",),
     ("nosings",),
     (
         "doubt",

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.block_scatter import BlockScatter
 from stair_inspector.geometry.edges import EdgeLine
 from stair_inspector.geometry.plan import left_of, place_in_frame
 
@@ -68,7 +69,8 @@ class StepShape:
     wide landing or a side of it is hidden. ``nosing_offsets`` and ``nosing_noise`` are the height of the surface at the
     nosing above its plane, and its standard uncertainty, on the left, centre and right line: a nosing strip stands
     proud, a worn tread is deepest in its middle. ``arc`` is
-    that of the whole flight where it curves: then ``climb`` runs along it.
+    that of the whole flight where it curves: then ``climb`` runs along it. ``scatter`` is how heights scatter within
+    small blocks of the surface, None where too little of it is known or something lies on it.
     """
 
     surface: int
@@ -87,6 +89,7 @@ class StepShape:
     nosing_offsets: tuple[float, float, float]
     nosing_noise: tuple[float, float, float]
     arc: Arc | None = None
+    scatter: BlockScatter | None = None
 
     def to_plan(self, s_m: float, w_m: float) -> Floats:
         """Return a place of this frame in plan coordinates of the level frame, (2,)."""

@@ -15,6 +15,7 @@ from stair_inspector.geometry.slots import find_slots
 from stair_inspector.model import Arc, Chain, HeightOrder, Horizontal, LocalPlane, Patches, StepShape, Surface
 from stair_inspector.params import SurveyParams
 from stair_inspector.stages.arcs import across_arc, side_of, span_beside
+from stair_inspector.stages.block_layers import scatter_on
 from stair_inspector.stages.edge_finder import BAND_SIGMA, FACE_NEAR_M, LEAST_PURITY, LEAST_SUPPORT, NOISY_M, EdgeFinder
 from stair_inspector.stages.hidden import UNSEEN_M
 from stair_inspector.stages.near_points import FACE_BAND_M, FACE_NEAR_SIGMA, NearPoints, gather_near, refit_plane
@@ -159,7 +160,8 @@ def find_shape(
     shape = replace(shape, line_range=(shape.right.at(start), shape.left.at(start)))
     shape = with_nosing_heights(shape, near, band_m, scanned.is_stepped, surface.is_barred)
     shape = _with_back(shape, finder_across, above, rise_above_m)
-    return replace(shape, coverage=_coverage(shape, near, band_m, covered))
+    scatter = None if surface.is_barred or surface.cover_m else scatter_on(near, extent)
+    return replace(shape, coverage=_coverage(shape, near, band_m, covered), scatter=scatter)
 
 
 def _guessed(place_m: float, span: tuple[float, float]) -> EdgeLine:

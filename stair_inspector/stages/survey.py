@@ -8,6 +8,7 @@ from stair_inspector.model import (
     Flight,
     Horizontal,
     Note,
+    Observation,
     PaperValues,
     Patches,
     Step,
@@ -15,7 +16,9 @@ from stair_inspector.model import (
     Up,
 )
 from stair_inspector.params import DisplayParams, SurveyParams
+from stair_inspector.stages.block_layers import tell_layers
 from stair_inspector.stages.climbs import flight_after
+from stair_inspector.stages.examine import with_questions
 from stair_inspector.stages.flight_values import flight_of, kinds_of
 from stair_inspector.stages.parts import Common
 from stair_inspector.stages.rejects import Forced
@@ -28,12 +31,16 @@ from stair_inspector.stated_uncertainty import UncertaintyParams
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Survey:
-    """All steps and flights; ``steps`` in the order of the flights, ``surfaces`` the patch of each."""
+    """All steps and flights; ``steps`` in the order of the flights, ``surfaces`` the patch of each.
+
+    ``observations`` are of the scan as a whole, and first seen on its treads.
+    """
 
     steps: tuple[Step, ...]
     flights: tuple[Flight, ...]
     surfaces: tuple[int, ...]
     notes: tuple[Note, ...]
+    observations: tuple[Observation, ...] = ()
 
 
 def measure_survey(
@@ -70,6 +77,11 @@ def measure_survey(
         Steps counted from 1 in the order of the flights, positions in local scan axes, without the paper's values.
     """
     sight = None if examined is None or examined.sight is None else examined.sight.in_frame(horizontal.level_from_scan)
+    observations: tuple[Observation, ...] = ()
+    if examined is not None:
+        told = tell_layers(shapes, chains, examined, horizontal.level_from_scan, doubts.registration_m)
+        shapes, chains, examined = told.shapes, told.chains, told.examined
+        observations = with_questions(told.observations, doubts)
     context = Common.of(up, doubts, horizontal.level_from_scan, examined)
     bases = frozenset(chain.base for chain in chains.chains)
     steps: list[Step] = []
@@ -121,7 +133,7 @@ def measure_survey(
             )
             notes.append(Note("winding", "survey", message))
         notes += notes_of_unobserved(chain, own_shapes, own_steps, sight)
-    return Survey(tuple(steps), tuple(flights), tuple(numbers), tuple(notes))
+    return Survey(tuple(steps), tuple(flights), tuple(numbers), tuple(notes), observations)
 
 
 def with_paper_values(survey: Survey, patches: Patches, paper: tuple[Step, ...]) -> Survey:

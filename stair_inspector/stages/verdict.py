@@ -151,7 +151,7 @@ def conclude_survey(
         flights=survey.flights,
         patches=named,
         patch_ids=freeze(patch_ids),
-        examination=(*paper.examination, *ask_unit(scan, survey.steps)),
+        examination=(*paper.examination, *survey.observations, *ask_unit(scan, survey.steps)),
     )
 
 

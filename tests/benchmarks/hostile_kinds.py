@@ -18,6 +18,7 @@ from tests.benchmarks import hostile_buildings as buildings
 from tests.synthetic import rotation
 
 Nosing = tuple[np.ndarray, np.ndarray]
+Order = Callable[[np.ndarray, int], np.ndarray]
 
 EVEN = Stair(
     n_risers=7, rise_m=0.172, going_m=0.288, width_m=1.1, overhang_m=0.02, floor_front_m=2.2, upper_landing_m=1.6
@@ -289,6 +290,55 @@ def stations_apart_unseen(seed: int) -> Iterator[Variant]:
             spoil=on_step(0.001 * step_m) if step_m else lambda points: points,
             points_of=functools.partial(points_of, apart_m=0.001 * apart_m),
         )
+    for noise_m, step_m, order in ((3, 0, shuffled), (5, 0, sorted_by_place), (5, 0, halved), (1, 5, shuffled)):
+
+        def spoil(points: np.ndarray, step_m: int = step_m, order: Order = order) -> np.ndarray:
+            points = order(points, seed)
+            return on_step(0.001 * step_m)(points) if step_m else points
+
+        yield variant_of(
+            f"12 mm, noise {noise_m} mm, on {step_m} mm, {order.__name__}, seed {seed}",
+            EVEN,
+            replace(TLS, noise_m=0.001 * noise_m, seed=seed),
+            yaw(20.0 * seed),
+            spoil,
+            points_of=functools.partial(points_of, apart_m=0.012),
+        )
+
+
+def shuffled(points: np.ndarray, seed: int) -> np.ndarray:
+    """The points in any order."""
+    return points[np.random.default_rng(seed).permutation(len(points))]
+
+
+def sorted_by_place(points: np.ndarray, seed: int) -> np.ndarray:
+    """The points in the order of their coordinates."""
+    return points[np.lexsort(points.T[::-1])]
+
+
+def halved(points: np.ndarray, seed: int) -> np.ndarray:
+    """Half of the points, in any order."""
+    return shuffled(points, seed)[::2]
+
+
+def treads_changed(seed: int) -> Iterator[Variant]:
+    """A tread on which a board lies that one of the stations has not seen there."""
+
+    def points_of(simulated: SimulatedScan, step: int, high_m: float) -> np.ndarray:
+        points = simulated.points.copy()
+        is_on = np.abs(points[:, 2] - step * EVEN.rise_m) < 0.03
+        points[is_on & (simulated.station_ids == 1) & (simulated.labels == step), 2] += high_m
+        return points
+
+    for noise_m, high_m in ((1, 4), (1, 8), (3, 8)):
+        step = 2 + (seed + high_m // 4) % 4
+        yield variant_of(
+            f"{high_m} mm on step {step}, noise {noise_m} mm, seed {seed}",
+            EVEN,
+            replace(TLS, noise_m=0.001 * noise_m, spacing_m=0.01, seed=seed),
+            yaw(20.0),
+            points_of=functools.partial(points_of, step=step, high_m=0.001 * high_m),
+        )
 
 
 def half_of_the_points(seed: int) -> Iterator[Variant]:
@@ -443,6 +493,7 @@ KINDS: dict[str, Callable[[int], Iterator[Variant]]] = {
     "sparse": sparse,
     "stations apart": stations_apart,
     "stations apart, unseen": stations_apart_unseen,
+    "a tread that changed": treads_changed,
     "part of the points": half_of_the_points,
     "float32 far away": far_in_float32,
     "curved": curved,
