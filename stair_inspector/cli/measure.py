@@ -10,6 +10,7 @@ from typing_extensions import Doc
 from stair_inspector.cli import headless
 from stair_inspector.cli.arguments import check_folder, parse_arguments, preset_params
 from stair_inspector.cli.output import say
+from stair_inspector.errors import ConfigError
 
 if TYPE_CHECKING:
     from stair_inspector.model import Inspection, Scan
@@ -30,6 +31,11 @@ class MeasureScans(headless.Headless):
             "step, kind and residual_m."
         ),
     ] = ()
+    bcf: Annotated[
+        str,
+        tyro.conf.arg(metavar="FILE"),
+        Doc("Write the findings, with the pins of the project, as issues of BCF 2.1, which programs for models read."),
+    ] = ""
 
 
 def run(args: list[str]) -> int:
@@ -45,6 +51,7 @@ def run(args: list[str]) -> int:
     paths, worst = headless.paths_of(measure, "measure", project)
     headless.check_stems(paths)
     headless.check_overwriting(paths, measure.out, measure.segmented)
+    _check_bcf(measure, paths)
 
     def show(scan: "Scan", inspection: "Inspection", path: Path) -> int:
         from stair_inspector.writers.text import inspection_text
@@ -54,7 +61,25 @@ def run(args: list[str]) -> int:
         wrote = headless.write_results(
             scan, inspection, measure.out, path, found, basis, made_at, measure.segmented, pinned, length
         )
+        if measure.bcf:
+            from stair_inspector.writers.bcf import write_bcf
+
+            write_bcf(Path(measure.bcf), scan, inspection, found, pinned, made_at)
+            wrote += f", {measure.bcf}"
         say(f"{inspection_text(inspection)}\n  {wrote}\n")
         return 0
 
     return max(worst, headless.for_each(paths, measure, project, show))
+
+
+def _check_bcf(measure: MeasureScans, paths: list[Path]) -> None:
+    """Raise before the work when the BCF file could not be written, or would take the place of something else."""
+    if not measure.bcf:
+        return
+    target = Path(measure.bcf)
+    if len(paths) > 1:
+        raise ConfigError(f"measure: got --bcf for {len(paths)} scans; give one scan")
+    check_folder(target.parent, "--bcf")
+    kept = [*paths, *((Path(measure.project),) if measure.project else ())]
+    if target.is_dir() or target.resolve() in [path.resolve() for path in kept]:
+        raise ConfigError(f"{target}: is a folder, the scan or the project; give another file with --bcf")

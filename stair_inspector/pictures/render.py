@@ -3,8 +3,9 @@
 ``render_view(...)`` is one of them, of any size; those of a report are in :mod:`stair_inspector.pictures.report_views`.
 """
 
+import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -15,11 +16,11 @@ from stair_inspector.content.segmented_points import labels_at
 from stair_inspector.files.palettes import Palette, Rgb, read_palette
 from stair_inspector.geometry.arrays import Bools, Colors, Floats
 from stair_inspector.model import Inspection, Scan
-from stair_inspector.pictures.cameras import View
+from stair_inspector.pictures.cameras import Pose, View
 from stair_inspector.pictures.coloring import Coloring, ColorMode, color_points
 from stair_inspector.pictures.display import Display, choose_display
 from stair_inspector.pictures.lettering import Lettering
-from stair_inspector.pictures.picture import Caption, Scale, picture_png
+from stair_inspector.pictures.picture import Caption, Scale, picture_png, scale_of
 from stair_inspector.pictures.picture_camera import PictureCamera, camera_of
 from stair_inspector.pictures.segmentation import SegmentedScene, draw, view_from_local
 from stair_inspector.pictures.splat import Dots, draw_dots
@@ -43,6 +44,9 @@ _NUMBER_SHARE = 1.0 / 62.0
 """Height of a step's number, as a share of the picture's width."""
 _WHITE = 255
 _TRIM_SHARE = 0.015
+_MOST_POINTS_SMALL = 200_000
+_SMALL_TEXT = 2.0
+"""Letters of a small picture, times those of one as wide as a page."""
 _INK: Rgb = (20, 22, 26)
 
 
@@ -99,6 +103,36 @@ def render_view(
     caption = Caption(title, inspection.scan.name, words, date, "")
     scale = Scale(camera.pixels_per_m, unit, is_everywhere=camera.is_parallel)
     return picture_png(pixels, caption, coloring.legend, scale, "White", text_scale)
+
+
+def render_poses(
+    scan: Scan, inspection: Inspection, poses: Sequence[Pose], fov_rad: float, size_px: tuple[int, int]
+) -> Iterator[bytes]:
+    """Yield a small picture of the coloured steps from each camera, as PNG without words.
+
+    Parameters
+    ----------
+    scan, inspection
+        The same scan that was inspected.
+    poses : sequence of Pose
+        Cameras in the coordinates of the view.
+    fov_rad : float
+        Their upright angle of view.
+    size_px : (int, int)
+        Width and height.
+    """
+    palette = read_palette("page")
+    display = choose_display(scan, _MOST_POINTS_SMALL)
+    turn = view_from_local(inspection)
+    coloring = _coloring_of(inspection, display, "Segmented", palette, has_edges=True)
+    drawing = draw(inspection, display, scan.points, palette, colors=coloring.colors)
+    for pose in poses:
+        pixels_per_m = scale_of(pose, fov_rad, size_px[1], "mm").pixels_per_m
+        camera = PictureCamera(pose, *size_px, pixels_per_m, is_parallel=False)
+        pixels = _pixels(display, drawing, camera, turn, palette, has_lines=True)
+        stream = io.BytesIO()
+        Image.fromarray(_numbered(pixels, inspection, camera, turn, _SMALL_TEXT)).save(stream, "PNG")
+        yield stream.getvalue()
 
 
 def _coloring_of(

@@ -32,6 +32,7 @@ from stair_inspector.viewer.parts.details_html import used_text
 from stair_inspector.viewer.parts.part import Context
 from stair_inspector.viewer.parts.studio import studio
 from stair_inspector.viewer.scene.stage import Mode
+from stair_inspector.writers.bcf import bcf_bytes
 from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.debug_ply import debug_ply_bytes
 from stair_inspector.writers.json import json_bytes
@@ -59,6 +60,7 @@ class Downloads:
         self._add("CSV", viser.Icon.TABLE, "One row for each step, millimetres and degrees.")
         self._add("JSON", viser.Icon.BRACES, "Everything: settings, levels, steps, notes; metres and degrees.")
         self._add("Debug PLY", viser.Icon.CUBE, "The scan in the paper's colours with its edges.")
+        self._add("BCF", viser.Icon.FLAG, "The findings as issues of BCF 2.1, which programs for building models read.")
         fields = "Every point with step, kind and residual_m as fields"
         self._add("Segmented LAZ", viser.Icon.STAIRS, f"{fields}; coordinates to 0.1 mm.")
         self._add("Segmented PLY", viser.Icon.STAIRS, f"{fields}; exact coordinates.")
@@ -94,11 +96,15 @@ class Downloads:
         desk = self._desk
         with desk.lock:
             shown, marked = desk.result("export"), desk.marked
-            check = self._judge.checked() if kind == "JSON" else None
+            check = self._judge.checked() if kind in ("JSON", "BCF") else None
             pinned = self._editor.work.findings
         make: dict[str, tuple[str, Callable[[Tell], bytes]]] = {
             "CSV": (".csv", lambda _: csv_bytes(marked or shown.inspection)),
             "JSON": (".json", lambda _: json_bytes(marked or shown.inspection, check, pinned)),
+            "BCF": (
+                ".bcf",
+                lambda _: bcf_bytes(shown.scan, shown.inspection, check, pinned, datetime.datetime.now().astimezone()),
+            ),
             "Debug PLY": ("_debug.ply", lambda _: debug_ply_bytes(shown.scan, shown.inspection)),
             "Segmented LAZ": ("_segmented.laz", lambda _: segmented_bytes(shown.scan, shown.inspection, "laz")),
             "Segmented PLY": ("_segmented.ply", lambda _: segmented_bytes(shown.scan, shown.inspection, "ply")),

@@ -20,7 +20,14 @@ from stair_inspector.viewer.state.change import PageChange
 from stair_inspector.viewer.state.work import work_of
 
 _LONGEST_TITLE = 200
-_COMMANDS = (("CSV", ""), ("JSON", ""), ("Screenshot PNG", "P"), ("All views ZIP", ""), ("Project file", ""))
+_COMMANDS = (
+    ("CSV", ""),
+    ("JSON", ""),
+    ("BCF", ""),
+    ("Screenshot PNG", "P"),
+    ("All views ZIP", ""),
+    ("Project file", ""),
+)
 
 
 class ExportPart(PagePart):
