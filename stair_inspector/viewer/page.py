@@ -38,6 +38,7 @@ from stair_inspector.viewer.parts.desk import Desk, Shown
 from stair_inspector.viewer.parts.docked.part import DockedPart
 from stair_inspector.viewer.parts.drawing import SceneDrawing
 from stair_inspector.viewer.parts.export.part import ExportPart
+from stair_inspector.viewer.parts.findings.part import FindingsPart
 from stair_inspector.viewer.parts.frame import Frame
 from stair_inspector.viewer.parts.judge import Judge
 from stair_inspector.viewer.parts.look.part import LookPart
@@ -64,6 +65,7 @@ PARTS: tuple[type[PagePart], ...] = (
     TunePart,
     StepsPart,
     ChecksPart,
+    FindingsPart,
     LookPart,
     ExportPart,
     PageSettings,

@@ -4,7 +4,7 @@ import pytest
 
 from tests.browser.inspector_page import click_at_once
 
-TABS = ("Scan", "Tune", "Steps", "Checks", "Look", "Export")
+TABS = ("Scan", "Tune", "Steps", "Checks", "Findings", "Look", "Export")
 _FAULTS = """() => {
     const panel = document.querySelector('[data-testid=scan]').getBoundingClientRect();
     const limit = document.documentElement.clientWidth;

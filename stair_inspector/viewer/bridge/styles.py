@@ -27,7 +27,7 @@ PHONE = (
 )
 """Where viser's panel is a sheet at the foot of the window it is as wide as that, and stair and table stand above it.
 What is dragged by a finger is wide enough for one."""
-NARROW_TABS = "<style>[data-dock-tab][role=tab]{padding:0 .58em!important}</style>"
+NARROW_TABS = "<style>[data-dock-tab][role=tab]{padding:0 .42em!important}</style>"
 """So that all tabs of the panel stand on one line."""
 CLEAR_OF_THE_SCROLLBAR = (
     "<style>.mantine-ScrollArea-viewport:has([data-testid=scan])>*{box-sizing:border-box;padding-right:8px}</style>"

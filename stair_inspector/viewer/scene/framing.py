@@ -9,12 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
+from stair_inspector.geometry.arrays import Floats
 from stair_inspector.pictures.cameras import Pose
 
 _ABOVE_PX, _BELOW_PX, _ASIDE_PX = 46, 70, 12
 """What the toolbar above and the legend below cover of the scene, pixels."""
 _LABEL_PX = 150
 """A dimension's label may run so far to the side of its step."""
+_CLOSEST_M = 1.0
 _SMALLEST_PX = 300
 """A scene smaller than this is used as it is."""
 
@@ -61,6 +63,15 @@ def raised(pose: Pose, share: float) -> Pose:
     down = np.cross(right, away)
     move = share * distance * down / np.linalg.norm(down)
     return Pose(pose.position + move, pose.look_at + move, pose.up)
+
+
+def near_pose(pose: Pose, places: Floats, fov_rad: float) -> Pose:
+    """Return a camera that looks at places (n, 3) from the side on which it stands now, near enough to see them."""
+    middle = places.mean(axis=0)
+    away = pose.position - pose.look_at
+    reach = max(_CLOSEST_M, 2.5 * float(np.ptp(places, axis=0).max()))
+    reach *= np.tan(0.35) / np.tan(fov_rad / 2.0)
+    return Pose(middle + reach * away / np.linalg.norm(away), middle, pose.up)
 
 
 def page_camera(client: viser.ClientHandle) -> tuple[Pose, float]:

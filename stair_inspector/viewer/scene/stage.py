@@ -1,6 +1,6 @@
 """An inspector's scene: what of an inspection is drawn, as nodes of viser."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, wraps
 from typing import Literal, TypeVar, cast
@@ -26,11 +26,13 @@ _ARROW_PIXELS = 2.0
 _MARK_PIXELS = 5.0
 HIGHLIGHT: Rgb = (0, 214, 230)
 MEASURED: Rgb = (230, 60, 140)
-"""Of what an inspector measured by hand, and of the paper's edges beside the survey's: none of the hues of steps, edges
-and measuring lines."""
+PINNED: Rgb = (176, 96, 16)
+"""Of what an inspector measured by hand, of the paper's edges beside the survey's, and of pins: none of the hues of
+steps, edges and measuring lines."""
 RAW, SEGMENTS = "/stair/raw", "/stair/segments"
 """What is seen of a scan in one mode and not in the other, with all below."""
 _REGION = "/stair/region"
+_FINDINGS = "/stair/findings"
 _CLOUDS = ("/stair/segments/cloud", "/stair/segments/centres", "/stair/segments/selected")
 _PAPER_EDGES = "/stair/segments/paper_edges"
 _LINES = ("/stair/segments/edges", "/stair/segments/nosings", "/stair/segments/outside", _PAPER_EDGES)
@@ -44,6 +46,7 @@ _POINT_FACTORS = {
     "/stair/segments/selected": 1.7,
     "/stair/section/cloud": 1.0,
     "/stair/measured/points": _PICKED_POINTS,
+    "/stair/findings/points": _PICKED_POINTS,
 }
 """Diameter of the points of each cloud, in those of the scan."""
 
@@ -104,8 +107,9 @@ class Stage:
         self.extent = extent_of(display.points @ rotation.T)
         self._nodes.frame("/stair", rotation)
         self._nodes.frame(SEGMENTS)
-        # The box of the part that counts stands in it.
+        # The box of the part that counts stands in the one, marks of findings in the other.
         self._nodes.frame(_REGION)
+        self._nodes.frame(_FINDINGS)
         self._points(RAW, display.points, display.colors, is_visible=self._mode_shown != "Segmented")
         self._points("/stair/segments/cloud", display.points, display.colors)
         self._raw_colors = display.colors
@@ -209,6 +213,12 @@ class Stage:
         self._nodes.labels("/stair/measured/labels", drawing.labels)
 
     @_counted
+    def show_findings(self, points: Floats, labels: Sequence[NodeLabel]) -> None:
+        """Draw pins (k, 3), local, and the marks of findings with their words; none of it is seen in pictures."""
+        self._points("/stair/findings/points", points, PINNED)
+        self._nodes.labels("/stair/findings/labels", labels)
+
+    @_counted
     def set_mode(self, mode: Mode) -> None:
         """Show the raw cloud, the segmentation, or both; a section stands in for both clouds."""
         self.mode = mode
@@ -254,7 +264,8 @@ class Stage:
             if name in self._nodes:
                 self._nodes[name].visible = not self._is_cut
         self._show_numbers()
-        self._nodes[_REGION].visible = self._lent is None
+        for name in (_REGION, _FINDINGS):
+            self._nodes[name].visible = self._lent is None
         self._nodes[SEGMENTS].visible = mode != "Raw"
 
     def _point_size_of(self, name: str) -> float:

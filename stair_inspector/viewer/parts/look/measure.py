@@ -6,11 +6,11 @@ import numpy as np
 import viser
 
 from stair_inspector.errors import ConfigError
-from stair_inspector.pictures.cameras import Pose
 from stair_inspector.pictures.display import Display
 from stair_inspector.units import length_text
 from stair_inspector.viewer.bridge.markup import aside, read_order
 from stair_inspector.viewer.parts.part import Context
+from stair_inspector.viewer.scene.framing import near_pose
 from stair_inspector.viewer.scene.measurements import (
     ORDERS,
     RULER_MODES,
@@ -23,7 +23,6 @@ from stair_inspector.viewer.scene.measurements import (
 from stair_inspector.viewer.scene.picking import Pick, cone_of, owner_text, pick_of, point_at_click, ray_of
 
 _NOBODY = "none"
-_CLOSEST_M = 1.0
 _NO_POINT = "no point lies there; zoom in, or click on the cloud itself"
 
 
@@ -166,13 +165,8 @@ class MeasureTool:
         return None if row is None else pick_of(shown.inspection, display, row)
 
     def _look_at(self, points: np.ndarray) -> None:
-        places = self._desk.to_view(points)
-        middle = places.mean(axis=0)
-        pose = self._look.pose()
-        away = pose.position - pose.look_at
-        reach = max(_CLOSEST_M, 2.5 * float(np.ptp(places, axis=0).max()))
-        reach *= np.tan(0.35) / np.tan(self._look.fov_rad / 2.0)
-        self._look.go_to(Pose(middle + reach * away / np.linalg.norm(away), middle, pose.up), self._look.fov_rad)
+        fov_rad = self._look.fov_rad
+        self._look.go_to(near_pose(self._look.pose(), self._desk.to_view(points), fov_rad), fov_rad)
 
     def _say_pick(self, pick: Pick) -> None:
         place = ", ".join(f"{value:.3f}" for value in pick.place_m)
