@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from stair_inspector.codes.at_steps import findings_at_steps
 from stair_inspector.codes.findings import Check, Finding, Verdict
 from stair_inspector.codes.phrases import limits_text, place_text, value_text
 from stair_inspector.codes.rules import Rule
@@ -81,7 +82,7 @@ def list_findings(
     found = [_of_pin(pin, inspection) for pin in pinned.pins]
     if inspection is not None:
         said = {decision.key: decision for decision in pinned.decisions}
-        program = list(_keyed((*_of_check(check), *_of_examination(inspection), *_of_notes(inspection))))
+        program = list(_keyed((*_of_check(inspection, check), *_of_examination(inspection), *_of_notes(inspection))))
         found += [_decided(entry, said.get(entry.key)) for entry in program]
         present = {entry.key for entry in program}
         found += [_gone(each) for each in pinned.decisions if each.key not in present and each.remark]
@@ -120,23 +121,26 @@ def _of_pin(pin: Pin, inspection: Inspection | None) -> ListedFinding:
     )
 
 
-def _of_check(check: Check | None) -> Iterator[ListedFinding]:
+def _of_check(inspection: Inspection, check: Check | None) -> Iterator[ListedFinding]:
     """Return values outside a limit one by one, and what nothing is said of once for each rule and flight."""
     if check is None:
         return
+    told = findings_at_steps(inspection, check)
     open_ones: dict[tuple[str, int | None], list[Finding]] = {}
     for found in check.findings:
         if found.rule.severity == "report_only" and not found.is_reported_beyond:
             continue
         if found.verdict.is_outside or found.is_reported_beyond:
-            yield _outside(check, found)
+            # Of steps that differ too much, the odd one, as it is marked everywhere.
+            steps = tuple(step_id for step_id, own in told.items() if any(each is found for each in own))
+            yield _outside(check, found, steps)
         elif found.is_open and found.rule.from_scan != "no":
             open_ones.setdefault((found.rule.rule_id, found.flight), []).append(found)
     for (_, flight), several in open_ones.items():
         yield _not_judged(check, flight, several)
 
 
-def _outside(check: Check, found: Finding) -> ListedFinding:
+def _outside(check: Check, found: Finding, steps: tuple[int, ...]) -> ListedFinding:
     rule = found.rule
     severity: PinSeverity = "info" if found.is_reported_beyond else _OF_VERDICT[found.verdict]
     if rule.severity == "advisory":
@@ -147,7 +151,7 @@ def _outside(check: Check, found: Finding) -> ListedFinding:
     # The odd ones of a flight's range may be others after the next run: it is one finding of the flight.
     at = f"/{where}" if rule.statistic in ("each", "adjacent_difference") else ""
     key = f"{_key_of(check, rule, found.flight)}{at}"
-    return ListedFinding(key, "limit", where, plain(text), severity, steps=found.steps)
+    return ListedFinding(key, "limit", where, plain(text), severity, steps=steps)
 
 
 def _not_judged(check: Check, flight: int | None, several: list[Finding]) -> ListedFinding:

@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Any
 
 from stair_inspector.content.document import Block, Column, Figure, Status, Table, Tone, table_of
-from stair_inspector.content.finding_list import KIND_WORDS, ListedFinding
+from stair_inspector.content.finding_list import ListedFinding
 from stair_inspector.content.pins import PinSeverity
 
 SEVERITY_TONES: dict[PinSeverity, Tone] = {"info": "plain", "minor": "close", "major": "bad", "critical": "bad"}
@@ -36,6 +36,7 @@ def listed_table(findings: tuple[ListedFinding, ...]) -> Table:
         "Findings",
         findings,
         (Column("No.", digits=0), lambda each: each.number),
+        (Column("Kind"), lambda each: each.kind),
         (Column("Where"), lambda each: each.where),
         (Column("What was found", width=5.0), lambda each: _words_of(each)),
         (Column("Severity"), lambda each: Status(each.severity, SEVERITY_TONES[each.severity])),
@@ -75,5 +76,4 @@ def listed_record(entry: ListedFinding) -> dict[str, Any]:
 
 
 def _words_of(entry: ListedFinding) -> str:
-    said = entry.text if entry.is_pin else f"{KIND_WORDS[entry.kind].capitalize()}: {entry.text}"
-    return f"{said}\nRemark: {entry.remark}" if entry.remark else said
+    return f"{entry.text}\nRemark: {entry.remark}" if entry.remark else entry.text

@@ -59,7 +59,7 @@ class FindingForm:
         self.pick = widgets.button(
             "Pick a point", self.start_picking, icon=viser.Icon.CURRENT_LOCATION, hint="Then shift-click it. Key I."
         )
-        widgets.upload(
+        self.photograph = widgets.upload(
             "Photograph",
             _PICTURES,
             self.take_photo,
@@ -152,6 +152,7 @@ class FindingForm:
         self._head.content = chosen_html(entry, self._place_words(), self._photo)
         self.keep.label = _SET if entry is None else _KEEP
         self.leave.visible, self.pick.visible = entry is not None, entry is None
+        self.photograph.visible = entry is None or entry.is_pin
         key = "" if entry is None else entry.key
         if key != self._filled:
             self._filled = key

@@ -2,7 +2,7 @@
 
 import base64
 
-from stair_inspector.content.finding_list import KIND_WORDS, ListedFinding
+from stair_inspector.content.finding_list import ListedFinding
 from stair_inspector.content.finding_tables import SEVERITY_TONES, moment_words
 from stair_inspector.content.images import Photo
 from stair_inspector.viewer.bridge.markup import (
@@ -78,7 +78,7 @@ def chosen_html(entry: ListedFinding | None, place: str, photo: Photo | None) ->
         who = f", {text(entry.who)}" if entry.who else ""
         when = f", {moment_words(entry.when)}" if entry.when else ""
         words = f"<b>Finding {entry.number}</b>, {text(entry.where)}{who}{when}"
-        words += "" if entry.is_pin else f"<br>{text(KIND_WORDS[entry.kind])}: {text(entry.text)}"
+        words += "" if entry.is_pin else f"<br>{text(entry.text)}"
     image = ""
     if picture is not None:
         data = base64.b64encode(picture.data).decode("ascii")
