@@ -13,7 +13,8 @@ from stair_inspector.model import FLOOR_LABEL, Inspection, Measured, Scan, Step
 _K = 2.0
 _OVER_ALL = 3.0
 """How many times what registration adds to a rise it adds to a height against the whole stair: neighbours are seen from
-the same stations, ends are not. With simulated tripods of which stations are 0.5 mm off, U then holds the truth."""
+the same stations, ends are not. With simulated tripods
+whose stations are 0.5 mm off, U then holds 91 to 98 % of the changes of height."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
