@@ -47,6 +47,9 @@ _TRIM_SHARE = 0.015
 _MOST_POINTS_SMALL = 200_000
 _SMALL_TEXT = 2.0
 """Letters of a small picture, times those of one as wide as a page."""
+_THUMBNAIL_POINTS = 30_000
+_THUMBNAIL_FINER = 6
+"""Pixels that are drawn for one of a small picture, both ways."""
 _INK: Rgb = (20, 22, 26)
 
 
@@ -133,6 +136,23 @@ def render_poses(
         stream = io.BytesIO()
         Image.fromarray(_numbered(pixels, inspection, camera, turn, _SMALL_TEXT)).save(stream, "PNG")
         yield stream.getvalue()
+
+
+def render_thumbnail(scan: Scan, inspection: Inspection, size_px: tuple[int, int]) -> bytes:
+    """Return a small picture of a scan as PNG, with the steps that were found, for lists; of twice as many pixels."""
+    palette = read_palette("page")
+    display = choose_display(scan, _THUMBNAIL_POINTS)
+    turn = view_from_local(inspection)
+    width, height = size_px
+    camera = camera_of(inspection, display, "Home", turn, (_THUMBNAIL_FINER * width, _THUMBNAIL_FINER * height))
+    subject: Subject = "Segmented" if inspection.steps else "Raw"
+    coloring = _coloring_of(inspection, display, subject, palette, has_edges=False)
+    drawing = draw(inspection, display, scan.points, palette, colors=coloring.colors)
+    pixels = Image.fromarray(_pixels(display, drawing, camera, turn, palette, has_lines=False))
+    stream = io.BytesIO()
+    # Few colours are enough for so small a picture, and are a few kilobytes.
+    pixels.resize((2 * width, 2 * height), Image.Resampling.BOX).quantize(64).save(stream, "PNG", optimize=True)
+    return stream.getvalue()
 
 
 def _coloring_of(

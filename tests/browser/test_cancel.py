@@ -21,7 +21,7 @@ def test_a_long_run_is_cancelled_and_run_again(browser, tmp_path, scans, open_pa
         page.hotkey("Control+z")
         page.await_notification("there is nothing to undo")
         page.tab("Scan")
-        page.choose("Scan", "large.ply")
+        page.open_scan("large.ply")
         page.page.get_by_role("progressbar").wait_for()
         assert "…" in page.text("state")
         click_at_once(page.page.get_by_role("button", name="Cancel", exact=True))

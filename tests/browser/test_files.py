@@ -88,7 +88,7 @@ def test_the_screenshot_opens_and_shows_the_steps(page):
 def test_another_scan_is_measured_and_its_name_is_text_even_if_it_looks_like_html(page, measured):
     page.choose_columns("paper")
     page.tab("Scan")
-    page.choose("Scan", HOSTILE_NAME)
+    page.open_scan(HOSTILE_NAME)
     page.page.locator("[data-testid=scan]", has_text="<img").wait_for()
     page.await_result()
     assert page.table() == rows_of(measured(index=3))
@@ -106,7 +106,7 @@ def test_another_scan_is_measured_and_its_name_is_text_even_if_it_looks_like_htm
 def test_a_broken_scan_is_a_sentence_and_the_good_one_works_again(page, measured):
     page.choose_columns("paper")
     page.tab("Scan")
-    page.choose("Scan", "broken.ply")
+    page.open_scan("broken.ply")
     sentence = page.await_error()
     assert "broken.ply" in sentence
     assert len(sentence) < 400
@@ -114,7 +114,24 @@ def test_a_broken_scan_is_a_sentence_and_the_good_one_works_again(page, measured
     assert page.text("scan").startswith("broken.ply")
     assert step_rows(page) == []
     assert "/stair/raw" not in page.scene()
-    page.choose("Scan", "stair.ply")
+    page.open_scan("stair.ply")
     page.await_result("θ_th 15°")
     assert page.opacity_of_results() == 1.0
     assert page.table() == rows_of(measured())
+
+
+def test_scans_are_opened_from_their_list_by_mouse_and_by_key(page):
+    page.tab("Scan")
+    row = page.page.locator("[data-testid=scan-row][data-scan='stair.ply']")
+    row.locator("img").wait_for()
+    assert row.get_attribute("aria-current") == "true"
+    assert "points" in row.inner_text()
+    row.focus()
+    row.press("ArrowDown")
+    page.page.keyboard.press("Enter")
+    page.page.locator("[data-testid=scan]", has_text="other.ply").wait_for()
+    page.await_result()
+    page.page.locator("[data-testid=scan-row][data-scan='other.ply'][data-state=measured]").wait_for()
+    assert page.page.evaluate("() => document.activeElement.dataset.scan") == "other.ply"
+    # What was found out about the first stays.
+    assert "points" in row.inner_text()

@@ -81,6 +81,11 @@ class Keeper:
         """Return whether a scan has been opened on this page."""
         return label in self._benches
 
+    def is_saved(self, label: str) -> bool:
+        """Return whether all of the work on a scan is in a project file."""
+        bench = self._benches.get(label)
+        return bench is not None and not bench.is_changed and (bench.saved_at is not None or bench.is_from_file)
+
     def begin(self, label: str, scan: Path, work: Work, path: Path | None, sha256: str = "") -> None:
         """Open a scan: its work begins here, or goes on where it was done on bytes of that SHA-256."""
         state = state_of(path) if path is not None else ""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import viser
 
-from stair_inspector.errors import ReadError
+from stair_inspector.errors import ConfigError, ReadError
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.notices import Notices
@@ -133,6 +133,13 @@ class Opening:
         """Return the names of the scans that can be chosen; a file that is gone stays on a page that has it open."""
         labels, label = self._library.labels(self._uploads), self._keeper.label
         return labels if label in labels else (*labels, label)
+
+    def changed_at(self, label: str) -> float | None:
+        """Return when a scan's file was changed last, seconds since 1970; None where that cannot be told."""
+        try:
+            return self._library.path(label, self._uploads).stat().st_mtime
+        except (ConfigError, OSError):
+            return None
 
     def is_of(self, label: str, sha256: str) -> bool:
         """Return whether the work on a scan was done on these bytes; what was done on others is put aside."""

@@ -2,7 +2,7 @@
 
 import viser
 
-from stair_inspector.viewer.bridge.widgets import File, offer
+from stair_inspector.viewer.bridge.widgets import File
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import examination_html
 from stair_inspector.viewer.parts.part import Context, PagePart
@@ -11,12 +11,10 @@ from stair_inspector.viewer.parts.scan.one_station import StationMenu
 from stair_inspector.viewer.parts.scan.part_of_file import PartOfFile
 from stair_inspector.viewer.parts.scan.points import PointsFolder
 from stair_inspector.viewer.parts.scan.region import RegionTool
+from stair_inspector.viewer.parts.scan.scan_list import ScanList
 from stair_inspector.viewer.parts.scan.upright import UprightTool
 from stair_inspector.viewer.state.change import PageChange
 from stair_inspector.viewer.state.library import upload_types
-
-_UNREADABLE = " (cannot be read)"
-"""What the menu says behind the name of such a scan."""
 
 
 class ScanPart(PagePart):
@@ -24,7 +22,17 @@ class ScanPart(PagePart):
 
     title = "Scan"
     icon = viser.Icon.SCAN
-    depends_on = frozenset({PageChange.WORK, PageChange.RESULT, PageChange.SCAN, PageChange.CLOUD, PageChange.SETTLED})
+    depends_on = frozenset(
+        {
+            PageChange.WORK,
+            PageChange.RESULT,
+            PageChange.SCAN,
+            PageChange.CLOUD,
+            PageChange.SETTLED,
+            PageChange.STATUS,
+            PageChange.REST,
+        }
+    )
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -32,12 +40,7 @@ class ScanPart(PagePart):
         widgets, controls = context.widgets, context.editor.controls
         self._cures = Cures(context)
         self.examination = widgets.html()
-        self.chooser = widgets.dropdown(
-            "Scan",
-            context.opening.labels(),
-            hint="The scans of the folder, and those uploaded on this page.",
-            on_change=self.choose,
-        )
+        self.scans = ScanList(context, self.choose)
         self.upload = widgets.upload(
             "Upload a scan",
             upload_types(),
@@ -68,8 +71,11 @@ class ScanPart(PagePart):
             self.station.show()
         if what & {PageChange.SCAN, PageChange.CLOUD}:
             self.points.show()
+        if what & {PageChange.RESULT, PageChange.WORK, PageChange.SCAN, PageChange.STATUS}:
+            self.scans.show()
+        if PageChange.REST in what:
+            self.scans.draw()
         if what & {PageChange.WORK, PageChange.SCAN, PageChange.CLOUD}:
-            self._show_scans()
             self.columns.show()
             self.region.show()
 
@@ -84,7 +90,6 @@ class ScanPart(PagePart):
 
     def choose(self, label: str) -> None:
         """Open another scan. The page is empty until it is measured: what is done counts for it alone."""
-        label = next((known for known, words in self._menu().items() if words == label), label)
         desk, keeper = self._desk, self._context.keeper
         with desk.lock:
             with keeper.lock:
@@ -103,14 +108,5 @@ class ScanPart(PagePart):
         """Look into the folders again."""
         n_new, n_all = self._context.opening.look_for_scans()
         with self._desk.lock:
-            self._show_scans()
-        self._desk.notices.tell("Scans", f"{n_new} new, {n_all} in the menu")
-
-    def _show_scans(self) -> None:
-        menu = self._menu()
-        offer(self.chooser, tuple(menu.values()), menu[self._context.keeper.label])
-
-    def _menu(self) -> dict[str, str]:
-        """Return what the menu says of each scan."""
-        opening = self._context.opening
-        return {label: label + _UNREADABLE * (label in opening.unreadable) for label in opening.labels()}
+            self.scans.show()
+        self._desk.notices.tell("Scans", f"{n_new} new, {n_all} in the list")
