@@ -110,6 +110,9 @@ def read_rhythm(scan: Thinned, max_rise_m: float, hint: Floats, *, is_camera: bo
         for lattice, way in ((each, 1.0), (each.flipped(), -1.0)):
             weight = _as_built(lattice, max_rise_m) + (way * side + floors) / 2.0
             weight += _as_camera(scan, lattice) if is_camera else _as_file(lattice.up)
+            if is_camera and _is_exactly_level(lattice.up):
+                # Few cameras are level by chance, while a cloud may look like a view by chance: then it is asked.
+                weight += 2.0 * _as_file(lattice.up)
             weight += _HINT if is_same_way(lattice.up, hint) and float(lattice.up @ hint) > 0.0 else 0.0
             readings.append(Reading(lattice, weight))
     return sorted(readings, key=lambda reading: -reading.weight)
@@ -137,6 +140,10 @@ def _as_file(up: Floats) -> float:
     """Weigh the file's z axis."""
     apart_deg = math.degrees(math.acos(min(1.0, max(-1.0, float(up[2])))))
     return next((weight for limit_deg, weight in _Z_WEIGHTS if apart_deg <= limit_deg), 0.0)
+
+
+def _is_exactly_level(up: Floats) -> bool:
+    return abs(float(up[2])) >= math.cos(math.radians(_Z_WEIGHTS[0][0]))
 
 
 def _as_camera(scan: Thinned, lattice: Lattice) -> float:

@@ -73,6 +73,17 @@ def test_a_level_cameras_view_is_read_the_right_way_up(view):
     assert verdict_of(view) == "right"
 
 
+def test_a_level_scan_that_looks_like_a_view_from_below_is_not_turned_over_without_a_question():
+    """A staircase seen from above is one layer, also as seen from an origin that lies below its floor by chance."""
+    stair = Stair(n_steps=8, noise=0.001, risers=True, spacing=0.012)
+    points, _ = stair.sample()
+    # It climbs towards the origin: seen from there, behind and below it, no surface lies before another.
+    scan = make_scan(points * np.array([-1.0, -1.0, 1.0]) + np.array([5.0, 0.6, 0.5]))
+    assert is_view(scan, scan.points)
+    found = up_of(scan)
+    assert found.vector[2] > 0.99 or any(seen.level == "question" for seen in found.observations)
+
+
 @pytest.mark.slow
 def test_of_views_over_pitches_axes_and_rooms_none_is_wrong_without_a_question():
     found = [(verdict_of(view), view) for view in views((0.0, 10.0, 20.0, 30.0, 40.0), range(7))]
