@@ -77,7 +77,7 @@ def test_a_report_holds_what_the_file_of_fields_says(run, tmp_path, stair_file):
 @pytest.mark.slow
 def test_a_project_brings_its_rules_its_fields_and_its_title(run, tmp_path, project_file):  # noqa: F811
     out = tmp_path / "out"
-    assert run("measure", "--project", project_file, "-o", out, "--report")[0] == 0
+    assert run("measure", "--project", project_file, "-o", out, "--full-report")[0] == 0
     (path,) = out.glob("*_report.pdf")
     text = pdf_text(path)
     for words in ("Client Ltd", "R-17", "North stair", "6 in (152.4 mm)", "an older text", "steel tape"):
@@ -86,7 +86,10 @@ def test_a_project_brings_its_rules_its_fields_and_its_title(run, tmp_path, proj
     found = json.loads(record.read_text(encoding="utf-8"))["check"]
     assert found["decision"]["rule"] == "simple"
     # What is said on the command line counts before what the project holds.
-    assert run("check", "--project", project_file, "--rules", "us-osha-1910-25", "-o", out, "--report")[0] in (0, 1)
+    assert run("check", "--project", project_file, "--rules", "us-osha-1910-25", "-o", out, "--full-report")[0] in (
+        0,
+        1,
+    )
     text = pdf_text(path)
     assert "1910.25" in text
     assert "an older text" not in text

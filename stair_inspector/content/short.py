@@ -31,7 +31,7 @@ _EVIDENCE: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("What is not plainly within", ("findings",)),
     ("Pins of the inspector", ("list_of_findings", "pin_photo_")),
     ("Readings by hand", ("readings", "photo_")),
-    ("The scan", ("fits", "scan", "instrument")),
+    ("The scan and the rules", ("fits", "scan", "rule_set", "instrument")),
 )
 """The titles of the other sections, with the keys of their blocks; those that end in ``_`` are beginnings of keys."""
 _FULL = "The full report holds the views, drawings, uncertainty budget, closure, settings and every note."

@@ -390,7 +390,8 @@ class InspectorPage:
         """Name and content of an exported file."""
         self.tab("Export")
         with self.page.expect_download(timeout=timeout_ms) as waiting:
-            self.page.get_by_role("button", name=kind, exact=True).click()
+            # The head of a folder is a button too, to who cannot see it.
+            self.page.get_by_role("button", name=kind, exact=True).and_(self.page.locator("button")).click()
         with open(waiting.value.path(), "rb") as stream:
             return waiting.value.suggested_filename, stream.read()
 

@@ -10,6 +10,14 @@ _FAULTS = """() => {
     const limit = document.documentElement.clientWidth;
     const faults = [];
     const visible = (e) => e.offsetParent !== null && e.getClientRects().length > 0;
+    // What of it is seen in a list that is scrolled.
+    const seen = (e) => {
+        const box = e.getBoundingClientRect();
+        const list = e.closest('[data-testid=scan-list] ul')?.getBoundingClientRect();
+        if (!list) return box;
+        const top = Math.max(box.top, list.top), bottom = Math.max(top, Math.min(box.bottom, list.bottom));
+        return new DOMRect(box.left, top, box.width, bottom - top);
+    };
     // What a person presses or reads: each inside the window and inside the panel.
     for (const e of document.querySelectorAll('label, input, button, table, svg, [data-testid]')) {
         if (!visible(e) && !(e instanceof SVGElement)) continue;
@@ -18,7 +26,7 @@ _FAULTS = """() => {
         if (box.right > limit + 1) faults.push(['beyond the window', e.outerHTML.slice(0, 120), box.right]);
     }
     const controls = [...document.querySelectorAll('input, button')].filter((e) => visible(e) && e.type !== 'file')
-        .map((e) => [e, e.getBoundingClientRect()])
+        .map((e) => [e, seen(e)])
         .filter(([e, box]) => box.left >= panel.left - 10 && box.width > 0 && box.height > 0);
     for (let i = 0; i < controls.length; i++) {
         for (let j = i + 1; j < controls.length; j++) {

@@ -59,7 +59,7 @@ def test_a_report_without_readings_is_three_pages():
 def test_forms_that_nobody_has_filled_take_no_room():
     inspection, found = scanned("straight")[1], checked("straight")
     bare = shortened(plain_document(inspection, found))
-    assert {block.key for block in bare.blocks() if isinstance(block, Facts)} == {"scan"}
+    assert {block.key for block in bare.blocks() if isinstance(block, Facts)} == {"scan", "rule_set"}
     assert [table.key for table in bare.tables() if table.key in ("readings", "checklist", "findings")] == []
     (signed,) = [block for block in bare.blocks() if isinstance(block, Signatures)]
     assert [role for role, _ in signed.items] == ["Inspector"]

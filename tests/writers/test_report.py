@@ -17,7 +17,7 @@ VIEW = RenderedView("own/../view", "from the page <b>", b"\x89PNG", 0.5)
 
 def test_a_report_is_five_files_of_the_same_content(tmp_path):
     scan, inspection = scanned()
-    written = write_report(scan, inspection, tmp_path, "stair", BASIS, MADE_AT, checked())
+    written = write_report(scan, inspection, tmp_path, "stair", BASIS, MADE_AT, checked(), length="full")
     suffixes = (*SUFFIXES, *DRAWING_SUFFIXES.values())
     assert written == [tmp_path / f"stair{suffix}" for suffix in suffixes]
     assert {path.name for path in tmp_path.iterdir()} == {path.name for path in written}
