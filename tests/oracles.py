@@ -1,5 +1,6 @@
 """Libraries that tests compare with, and that a system may lack: CI lacks none of them."""
 
+import importlib
 import importlib.metadata
 import importlib.util
 import os
@@ -18,10 +19,10 @@ needs_open3d = pytest.mark.skipif(
 """Of tests whose numbers are Open3D's to the last bit."""
 
 
-def _is_asked_for(package: str) -> bool:
-    """Return whether the project asks for a package on this system."""
+def _is_asked_for(package: str, extra: str = "") -> bool:
+    """Return whether the project asks for a package on this system, perhaps only with an extra."""
     wanted = map(Requirement, importlib.metadata.requires("stair-inspector") or ())
-    return any(each.name == package and (not each.marker or each.marker.evaluate({"extra": ""})) for each in wanted)
+    return any(each.name == package and (not each.marker or each.marker.evaluate({"extra": extra})) for each in wanted)
 
 
 HAS_NO_E57 = importlib.util.find_spec("pye57") is None and not _is_asked_for("pye57")
@@ -33,6 +34,16 @@ def missing(what: str) -> NoReturn:
     if IN_CI:
         pytest.fail(f"CI has all that tests need: {what}")
     pytest.skip(what)
+
+
+def module_or_skip(name: str, package: str):
+    """Return a module that tests compare with; skip where the project does not ask for its package on this system."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        if _is_asked_for(package, "dev"):
+            missing(f"{package} cannot be loaded: {error}")
+        pytest.skip(f"{package} has no wheel for this system")
 
 
 def open3d_or_skip():

@@ -12,7 +12,8 @@ _STAGE = "comparison"
 
 def notes_on(found: ScanComparison) -> tuple[Note, ...]:
     """Return what is to be told of a comparison, the gravest first."""
-    notes = [*_moved(found.steps), *_tilted(found.steps), *_worn(found.steps), *_values(found.steps)]
+    notes = [*_moved(found.steps), *_values(found.steps, are_tilts=True), *_worn(found.steps)]
+    notes += _values(found.steps, are_tilts=False)
     if not notes:
         notes.append(Note("no_change", _STAGE, "no value changed by more than its uncertainty and chance explain"))
     if found.floor.change is not None and found.floor.is_changed:
@@ -66,14 +67,20 @@ def _is_tilt(value: ValueChange) -> bool:
     return quantity.unit == "deg" and quantity.rests_on == "tread"
 
 
-def _tilted(steps: Sequence[StepChange]) -> list[Note]:
+def _values(steps: Sequence[StepChange], *, are_tilts: bool) -> list[Note]:
+    """Return a note for each value that has changed: of the slopes of the treads, or of the others."""
     notes = []
     for step in steps:
         for value in step.values:
-            if value.is_changed and value.change is not None and _is_tilt(value):
-                change = measured_text(value.change, "°")
-                words = f"step {step.before_id}: {_name(value.quantity)} changed by {change}"
-                notes.append(Note("tilt_changed", _STAGE, words, step.before_id))
+            if not value.is_changed or value.change is None or _is_tilt(value) is not are_tilts:
+                continue
+            change = (
+                measured_text(value.change, "°")
+                if are_tilts
+                else shown(value.quantity, value.change.value, value.change.u)
+            )
+            words = f"step {step.before_id}: {_name(value.quantity)} changed by {change}"
+            notes.append(Note("tilt_changed" if are_tilts else "value_changed", _STAGE, words, step.before_id))
     return notes
 
 
@@ -88,18 +95,6 @@ def _worn(steps: Sequence[StepChange]) -> list[Note]:
         where = "along its nosing" if rows.mean() < 1.0 else "on its tread"
         words = f"step {step.before_id}: {where} {area_cm2:.0f} cm² lie {_way(found.worst_m)} against the rest of it"
         notes.append(Note("surface_changed", _STAGE, words, step.before_id))
-    return notes
-
-
-def _values(steps: Sequence[StepChange]) -> list[Note]:
-    notes = []
-    for step in steps:
-        changed = [value for value in step.values if value.is_changed and not _is_tilt(value)]
-        for value in changed:
-            if value.change is not None:
-                change = shown(value.quantity, value.change.value, value.change.u)
-                words = f"step {step.before_id}: {_name(value.quantity)} changed by {change}"
-                notes.append(Note("value_changed", _STAGE, words, step.before_id))
     return notes
 
 

@@ -27,6 +27,7 @@ from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Scan
 from stair_inspector.params import FileReading
 from stair_inspector.viewer.bridge.controls import SettingControls
+from stair_inspector.viewer.bridge.handles import late_messages
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.bridge.shortcuts import Command, HelpCard, add_commands
 from stair_inspector.viewer.bridge.widgets import Widgets
@@ -167,7 +168,7 @@ class Page:
 
     def changed(self, *what: PageChange) -> None:
         """Let the parts that depend on a change show themselves, all at once."""
-        with self.desk.lock, self.desk.client.atomic():
+        with self.desk.lock, late_messages(self.desk.client), self.desk.client.atomic():
             if self.desk.is_closed:
                 return
             changes = frozenset(what)

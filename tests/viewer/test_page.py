@@ -243,6 +243,19 @@ def test_work_that_could_not_be_saved_before_a_reload_is_saved_after_it_whatever
     assert (title_in(in_the_way), title_in(folder / "other.stair.json")) == ("Hall", "Yard")
 
 
+def test_what_is_shown_to_a_page_before_the_server_knows_that_it_has_gone_is_no_mistake(serve, folder):
+    """viser warns of messages to a closed connection, and a warning fails a test."""
+    app = serve()
+    page = WirePage(app)
+    page.await_result("stair.ply")
+    desk = page.session.desk
+    leave(app, page)
+    desk.is_closed = desk.notices.is_closed = False
+    desk.notices.tell("Not saved", "the disk is full")
+    desk.set_unit("in")
+    assert desk.unit == "in"
+
+
 @pytest.mark.slow
 def test_a_page_that_comes_back_while_its_file_is_in_use_takes_none_that_exists(serve, folder):
     app = serve()

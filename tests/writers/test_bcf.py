@@ -18,6 +18,7 @@ from stair_inspector.model import Note
 from stair_inspector.writers import bcf as writer
 from stair_inspector.writers.bcf import bcf_bytes, topic_guid
 from tests.content.test_pins import PIN, WHEN, guid
+from tests.oracles import module_or_skip
 from tests.synthetic import exact_params
 from tests.writers.samples import HOSTILE, MADE_AT, scanned
 
@@ -80,7 +81,7 @@ def archive():
 
 
 def test_another_reader_finds_every_topic_with_its_camera_picture_and_photograph(tmp_path):
-    reader = pytest.importorskip("bcf.v2.bcfxml", exc_type=ImportError)
+    reader = module_or_skip("bcf.v2.bcfxml", "bcf-client")
     inspection, pinned, data = written()
     path = tmp_path / "findings.bcf"
     path.write_bytes(data)

@@ -1,7 +1,10 @@
 """viser's handles of controls, and the identity by which scripts of a page write to them."""
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from typing import Any, Protocol
+
+import viser
 
 
 class _State(Protocol):
@@ -24,6 +27,17 @@ class Setter(Handle, Protocol):
     @property
     def on_update(self) -> Callable[[Callable[[Any], None]], object]:
         """Attach what is called when the value has changed."""
+
+
+def late_messages(client: viser.ClientHandle) -> AbstractContextManager[None]:
+    """Return the context in which messages may come too late for their page.
+
+    A browser may go while something is shown to it, before the server has told the page. viser warns of messages to a
+    connection that is closed; these are no mistake.
+    """
+    connection: Any = client.gui._websock_interface
+    late: AbstractContextManager[None] = connection.get_message_buffer().sanctioned_dead_writes()
+    return late
 
 
 def uuid_of(handle: Handle) -> str:

@@ -10,6 +10,7 @@ from typing import Protocol
 import viser
 
 from stair_inspector.errors import StairError
+from stair_inspector.viewer.bridge.handles import late_messages
 
 logger = logging.getLogger(__name__)
 
@@ -31,9 +32,10 @@ class Notices:
         is_repeated = (last_title, last_words) == (title, words) and time.monotonic() - told_at < _REPEATED_S
         self._last = (title, words, time.monotonic())
         if not (self.is_closed or is_repeated):
-            self._client.add_notification(
-                title, " ".join(words.split()), color="red" if is_failure else None, auto_close_seconds=_SHOWN_S
-            )
+            with late_messages(self._client):
+                self._client.add_notification(
+                    title, " ".join(words.split()), color="red" if is_failure else None, auto_close_seconds=_SHOWN_S
+                )
 
     def guard(self, action: Callable[..., None]) -> Callable[..., None]:
         """Wrap an action so that its failure is a sentence on the page, not a line in the server's log."""

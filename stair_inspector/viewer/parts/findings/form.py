@@ -102,7 +102,7 @@ class FindingForm:
                 self.show()
             else:
                 pin = self._pin_of(entry, "photograph: goes with a pin")
-                self._change(f"photograph of finding {entry.number}", pin, photo=photo)
+                self._keep_pin(f"photograph of finding {entry.number}", dataclasses.replace(pin, photo=photo))
 
     def submit(self) -> None:
         """Set the new pin, or keep what is written about the chosen finding."""
@@ -114,29 +114,34 @@ class FindingForm:
                 self._set_pin(words)
             elif entry.is_pin:
                 pin = self._pin_of(entry, "finding")
-                self._change(f"finding {entry.number}", pin, text=words, severity=severity, who=self._who())
+                changed = dataclasses.replace(pin, text=words, severity=severity, who=self._who())
+                self._keep_pin(f"finding {entry.number}", changed)
             else:
-                self.decide(entry, remark=words, severity=severity)
 
-    def decide(self, entry: ListedFinding, **said: object) -> None:
-        """Keep something that is said of a finding of the program: its ``is_done``, ``remark`` or ``severity``."""
+                def written(before: FindingDecision) -> FindingDecision:
+                    # The program's own severity stays its own where it is left as it is.
+                    own = before.severity is None and severity == entry.severity
+                    return dataclasses.replace(before, remark=words, severity=None if own else severity)
+
+                self.decide(entry, written)
+
+    def decide(self, entry: ListedFinding, change: Callable[[FindingDecision], FindingDecision]) -> None:
+        """Keep what is said of a finding of the program: ``change`` gets what was said of it before."""
         known = next((each for each in self._editor.work.findings.decisions if each.key == entry.key), None)
         before = known or FindingDecision(entry.key)
         if entry.kind != "gone":
             text = entry.text[: LONGEST_PIN_TEXT - 1]
             before = dataclasses.replace(before, where=entry.where, text=text)
-        if "severity" in said and known is None and said["severity"] == entry.severity:
-            # The program's own, left as it is.
-            del said["severity"]
-        decision = dataclasses.replace(before, who=self._who(), decided_at=_now(), **said)  # type: ignore[arg-type]
+        decision = dataclasses.replace(change(before), who=self._who(), decided_at=_now())
         self._editor.edit(f"finding {entry.number}", lambda work: {"findings": work.findings.with_decision(decision)})
 
     def set_done(self, entry: ListedFinding, is_done: bool) -> None:
         """Mark a finding as done, or as open again."""
         if entry.is_pin:
-            self._change(f"finding {entry.number}", self._pin_of(entry, "finding"), is_done=is_done)
+            pin = dataclasses.replace(self._pin_of(entry, "finding"), is_done=is_done)
+            self._keep_pin(f"finding {entry.number}", pin)
         else:
-            self.decide(entry, is_done=is_done)
+            self.decide(entry, lambda before: dataclasses.replace(before, is_done=is_done))
 
     # What is shown.
 
@@ -176,7 +181,7 @@ class FindingForm:
             photo=self._photo,
         )
         where = "a point" if step is None else f"step {step.step_id}"
-        self._editor.edit(f"pin at {where}", lambda work: {"findings": work.findings.with_pin(pin)})
+        self._keep_pin(f"pin at {where}", pin)
         self._place = self._photo = None
         self.words.value = ""
         self._say("")
@@ -188,9 +193,8 @@ class FindingForm:
             raise ConfigError(f"{what}; choose a pin of the list, or set a new one")
         return pin
 
-    def _change(self, words: str, pin: Pin, **fields: object) -> None:
-        changed = dataclasses.replace(pin, **fields)  # type: ignore[arg-type]
-        self._editor.edit(words, lambda work: {"findings": work.findings.with_pin(changed)})
+    def _keep_pin(self, words: str, pin: Pin) -> None:
+        self._editor.edit(words, lambda work: {"findings": work.findings.with_pin(pin)})
 
     def _take(self, place_m: Point) -> None:
         """Take a point that was picked; the desk is held."""
