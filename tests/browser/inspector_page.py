@@ -102,7 +102,7 @@ def share_changed(before, after):
 class InspectorPage:
     """One browser page of the inspector, with a browser profile of its own."""
 
-    def __init__(self, browser, port, width=1280, height=720, context=None):
+    def __init__(self, browser, port, width=1280, height=720, context=None, sharpness=SCENE_SHARPNESS):
         self.context = context or browser.new_context(
             viewport={"width": width, "height": height}, accept_downloads=True
         )
@@ -113,7 +113,7 @@ class InspectorPage:
         self.is_scene_touched = False
         self.page.on("console", self._note_console)
         self.page.on("pageerror", lambda error: self.problems.append(f"page error: {error}"))
-        self.page.goto(f"http://127.0.0.1:{port}/?fixedDpr={SCENE_SHARPNESS}")
+        self.page.goto(f"http://127.0.0.1:{port}/?fixedDpr={sharpness}")
 
     def _note_console(self, message):
         if message.type == "error" and not any(known in message.text for known in _KNOWN_NOISE):

@@ -20,6 +20,7 @@ def steps(page):
     page.show("Side by side")
     page.click_row(4)
     page.await_selection(4)
+    page.tab("Steps")
 
 
 def tune(page):
@@ -43,7 +44,7 @@ def main() -> None:
     try:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
-            page = InspectorPage(browser, app.port, width=1500, height=980).open()
+            page = InspectorPage(browser, app.port, width=1500, height=980, sharpness=1.0).open()
             for name, prepare in (("page", steps), ("page_tune", tune), ("page_section", section)):
                 prepare(page)
                 page.close_notifications()

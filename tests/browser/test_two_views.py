@@ -44,6 +44,12 @@ def test_each_half_holds_its_own_cloud_alone_framed_alike_and_both_turn_together
             drawn = drawn_in(half)
             assert drawn.any()
             assert not np.concatenate([drawn[:, :2], drawn[:, -2:]]).any()
+    # The numbers of the steps are no part of the raw cloud.
+    labels = "(node) => node.children.length && node.children.every((each) => each.renderOrder > 10000)"
+    hidden = [
+        page.page.evaluate(f"() => window.__stairInspectorViews.hidden({part}).some({labels})") for part in (0, 1)
+    ]
+    assert hidden == [True, False]
     assert [name.inner_text() for name in page.by_id("view-name").all()] == ["Raw", "Segmented"]
     box = page.canvas.bounding_box()
     for name, start in zip(page.by_id("view-name").all(), (0.0, 0.5), strict=True):

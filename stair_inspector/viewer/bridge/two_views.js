@@ -10,10 +10,17 @@
     arrangement === 'halves'
       ? [[0, width / 2, -width / 4], [width / 2, width / 2, width / 4]]
       : [[0, width * views.at, 0], [width * views.at, width * (1 - views.at), 0]];
+  /* viser draws the labels of all nodes at once, over everything: they belong to the right part. */
+  const labels = () =>
+    viser.scene.children.filter(
+      (group) => group.children.length && group.children.every((each) => each.renderOrder > 10000),
+    );
   views.hidden = (part) =>
     Object.entries(viser.nodeRefFromName)
-      .filter(([name, node]) => node?.visible && (name === only[1 - part] || name.startsWith(only[1 - part] + '/')))
-      .map(([, node]) => node);
+      .filter(([name]) => name === only[1 - part] || name.startsWith(only[1 - part] + '/'))
+      .map(([, node]) => node)
+      .concat(part === 0 ? labels() : [])
+      .filter((node) => node?.visible);
 
   const takeOver = (renderer) => {
     const once = renderer.render.bind(renderer);

@@ -3,7 +3,7 @@
 viser has one picture of a scene. Here its renderer is called twice for each frame, for two parts of the picture, with
 other nodes hidden: what is seen in both turns together, and is framed alike. In halves each picture is that of the
 whole scene moved by a quarter of its width, so what is pressed in one is told to viser as if it were pressed in the
-whole. Numbers and labels are seen in both. ``window.__viserMutable`` and the store of
+whole. Labels are seen in the right one alone. ``window.__viserMutable`` and the store of
 react-three-fiber behind its scene are private to viser, hence the exact version in ``pyproject.toml``.
 """
 

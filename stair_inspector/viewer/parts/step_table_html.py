@@ -121,7 +121,7 @@ def _words(inspection: Inspection | None, view: TableView) -> str:
         return "No value is given before the question about the scan is answered."
     return (
         "± is the expanded uncertainty, k = 2; rest on a value to see what it is made of. Underlined: neighbours that "
-        "differ most; with dots: what hangs on the settings."
+        "differ most, beyond U; with dots: what hangs on the settings."
     )
 
 
