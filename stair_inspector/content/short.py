@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Literal
 
+from stair_inspector.codes.findings import Verdict
 from stair_inspector.content.document import (
     Block,
     Bullets,
@@ -24,8 +25,11 @@ from stair_inspector.content.document import (
 ReportLength = Literal["short", "full"]
 LENGTHS: tuple[ReportLength, ...] = ("short", "full")
 _SUMMARY, _LIMITATIONS, _SIGN_OFF = "Summary", "Limitations and what was not assessed", "Sign-off"
-_LEFT_OUT = ("Flight", "At steps", "Findings", "Margin", "Unit of margin")
+_LEFT_OUT = ("At steps", "Findings", "Margin")
 """Columns of the results by rule."""
+_FLIGHT = "Flight"
+_NOT_HELD = frozenset(verdict.words for verdict in (Verdict.REPORTED, Verdict.NOT_ASSESSED))
+"""What is said of rules against which no value is held: reported with the steps, or listed as not assessed."""
 _EVIDENCE: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("Dimensions of the steps", ("flights", "steps", "rise_", "going_")),
     ("What is not plainly within", ("findings",)),
@@ -71,7 +75,7 @@ def _figures(blocks: Iterable[Block]) -> list[Figure]:
 
 
 def _results(blocks: Sequence[Block]) -> list[Block]:
-    """Return the results by rule, those within or outside alone; without a check, what the full report has."""
+    """Return the results of all rules against which values are held; without a check, what the full report has."""
     rules = [block for block in blocks if isinstance(block, Table) and block.key == "rules"]
     if not rules:
         return list(blocks)
@@ -81,8 +85,13 @@ def _results(blocks: Sequence[Block]) -> list[Block]:
 
 def _narrowed(table: Table) -> Table:
     """Return the results by rule without the columns and the rows that only the full report has room for."""
-    kept = [number for number, column in enumerate(table.columns) if column.name not in _LEFT_OUT]
-    judged = [row for row in table.rows if any(isinstance(cell, Status) and cell.tone != "plain" for cell in row)]
+    flight = [column.name for column in table.columns].index(_FLIGHT)
+    # One flight needs no number.
+    left_out = _LEFT_OUT if len({row[flight] for row in table.rows} - {None}) > 1 else (*_LEFT_OUT, _FLIGHT)
+    kept = [number for number, column in enumerate(table.columns) if column.name not in left_out]
+    judged = [
+        row for row in table.rows if not any(isinstance(cell, Status) and cell.words in _NOT_HELD for cell in row)
+    ]
     tones = dict(table.tones)
     tone_of = {row: tones[number] for number, row in enumerate(table.rows) if number in tones}
     return replace(
@@ -90,7 +99,7 @@ def _narrowed(table: Table) -> Table:
         columns=tuple(table.columns[number] for number in kept),
         rows=tuple(tuple(row[number] for number in kept) for row in judged),
         note="",
-        empty="No value was judged: see what was not assessed.",
+        empty="No value was held against a limit: see what was not assessed.",
         tones=tuple((number, tone_of[row]) for number, row in enumerate(judged) if row in tone_of),
     )
 
@@ -125,7 +134,8 @@ def _filled(block: Block) -> Iterable[Block]:
         yield replace(
             block, items=block.items[:1] + tuple(each for each in block.items[1:] if any(value for _, value in each[1]))
         )
-    elif not isinstance(block, Table) or block.rows:
+    elif not isinstance(block, Table) or block.rows or block.key == "findings":
+        # Without a row, the table of findings says that all is within, or why nothing could be judged.
         yield block
 
 
