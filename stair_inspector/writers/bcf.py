@@ -4,10 +4,8 @@ https://github.com/buildingSMART/BCF-XML/tree/release_2_1; elements stand in the
 kept for Python draws in a library of building models of 55 MB, hence this one.
 """
 
-import io
 import math
 import uuid
-import zipfile
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 from pathlib import Path
@@ -26,6 +24,7 @@ from stair_inspector.pictures.cameras import Pose, frame_view
 from stair_inspector.pictures.display import choose_display
 from stair_inspector.pictures.render import render_poses
 from stair_inspector.pictures.segmentation import extent_of, is_left_hidden, view_from_local
+from stair_inspector.writers.zips import zip_bytes
 
 _FOV_DEG = 50.0
 """BCF 2.1 takes 45 to 60."""
@@ -79,11 +78,7 @@ def bcf_bytes(
     files = {"bcf.version": _version()}
     for entry, pose in zip(findings, poses, strict=True):
         files |= _topic_files(entry, pose, next(pictures, None), inspection, made_at)
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in files.items():
-            archive.writestr(zipfile.ZipInfo(name, made_at.timetuple()[:6]), data, zipfile.ZIP_DEFLATED)
-    return stream.getvalue()
+    return zip_bytes(files, made_at)
 
 
 def topic_guid(entry: ListedFinding, inspection: Inspection) -> str:

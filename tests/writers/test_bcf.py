@@ -5,6 +5,7 @@ import functools
 import io
 import re
 import zipfile
+from datetime import UTC, datetime
 from xml.etree import ElementTree
 
 import numpy as np
@@ -74,6 +75,16 @@ def written():
         (FindingDecision(KEY, "step 2", "blurred", "critical", True, f"seen {HOSTILE}", "J. Alder", WHEN),),
     )
     return inspection, pinned, bcf_bytes(scan, inspection, None, pinned, MADE_AT)
+
+
+def test_a_time_before_the_first_and_after_the_last_that_a_zip_can_tell_is_the_next_one(monkeypatch):
+    monkeypatch.setattr(writer, "_MOST_PICTURES", 0)
+    scan, inspection = scanned()
+    pinned = PinnedFindings((PIN,))
+    for made_at, year in ((datetime.fromtimestamp(0, UTC), 1980), (datetime(2200, 1, 1, tzinfo=UTC), 2107)):
+        with zipfile.ZipFile(io.BytesIO(bcf_bytes(scan, inspection, None, pinned, made_at))) as read:
+            assert {member.date_time[0] for member in read.infolist()} == {year}
+            assert read.testzip() is None
 
 
 def archive():

@@ -2,8 +2,6 @@
 
 import dataclasses
 import datetime
-import io
-import zipfile
 
 import viser
 
@@ -25,6 +23,7 @@ from stair_inspector.writers.json import json_bytes
 from stair_inspector.writers.pdf import pdf_bytes
 from stair_inspector.writers.report import DRAWING_SUFFIXES, SUFFIXES, drawing_bytes, make_report
 from stair_inspector.writers.xlsx import xlsx_bytes
+from stair_inspector.writers.zips import zip_bytes
 
 EVERYTHING = "Report"
 DOCUMENTS = ("PDF", "HTML", "XLSX")
@@ -131,7 +130,7 @@ class ReportMaker:
             files[f"{stem}{suffix}"] = data
         files[f"{stem}.csv"] = csv_bytes(shown.inspection)
         files[f"{stem}.json"] = json_bytes(shown.inspection, order.check, order.pinned)
-        return _zipped(files, order.made_at)
+        return zip_bytes(files, order.made_at)
 
     def _drawn(self, kind: str, order: _Order) -> bytes:
         made = drawing_bytes(order.shown.inspection, order.made_at)
@@ -158,11 +157,3 @@ def _why_nothing(inspection: Inspection) -> str:
     if not inspection.steps:
         return "no step was found, so there is nothing to draw; see the notes for the reason"
     return "no nosing was measured, so there is nothing to draw; see the notes for the reason"
-
-
-def _zipped(files: dict[str, bytes], made_at: datetime.datetime) -> bytes:
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in files.items():
-            archive.writestr(zipfile.ZipInfo(name, made_at.timetuple()[:6]), data, zipfile.ZIP_DEFLATED)
-    return stream.getvalue()
