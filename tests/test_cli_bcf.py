@@ -35,8 +35,12 @@ def test_the_pins_of_a_project_are_topics_and_rows_of_the_json(run, tmp_path, pr
 
 
 def test_a_file_that_cannot_be_written_is_said_before_the_work(run, tmp_path, stair_file, project_file):  # noqa: F811
-    for target in (tmp_path, stair_file, project_file):
+    folder = tmp_path / "folder.bcf"
+    folder.mkdir()
+    result = tmp_path / "out" / f"{stair_file.stem}.json"
+    ending = "does not end in .bcf or .bcfzip"
+    for target, reason in ((folder, "is a folder"), (stair_file, ending), (project_file, ending), (result, ending)):
         code, out, err = run("measure", "--project", project_file, stair_file, "-o", tmp_path / "out", "--bcf", target)
         assert (code, out) == (2, "")
-        assert "is a folder, the scan or the project; give another file with --bcf" in err
+        assert err.endswith(f"{reason}; give another file with --bcf\n")
         assert err.count("\n") == 1

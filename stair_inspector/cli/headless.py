@@ -36,9 +36,9 @@ class Headless(CommonOptions):
     project: Annotated[
         str,
         Doc(
-            "Project file of the web inspector: its settings and overrules instead of a preset's, its rules and what "
-            "it holds for the report; other flags change its values. Only the scan that it was made on is measured; "
-            "without a SCAN the one beside it."
+            "Project file of the web inspector: its settings and overrules instead of a preset's, its rules, its "
+            "findings and what it holds for the report; other flags change its values. Only the scan that it was made "
+            "on is measured; without a SCAN the one beside it."
         ),
     ] = ""
     rules: Annotated[

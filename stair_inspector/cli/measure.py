@@ -15,6 +15,8 @@ from stair_inspector.errors import ConfigError
 if TYPE_CHECKING:
     from stair_inspector.model import Inspection, Scan
 
+_BCF_SUFFIXES = (".bcf", ".bcfzip")
+
 
 @dataclass(frozen=True)
 class MeasureScans(headless.Headless):
@@ -33,7 +35,7 @@ class MeasureScans(headless.Headless):
     ] = ()
     bcf: Annotated[
         str,
-        tyro.conf.arg(metavar="FILE"),
+        tyro.conf.arg(metavar="FILE.bcf"),
         Doc("Write the findings, with the pins of the project, as issues of BCF 2.1, which programs for models read."),
     ] = ""
 
@@ -79,7 +81,9 @@ def _check_bcf(measure: MeasureScans, paths: list[Path]) -> None:
     target = Path(measure.bcf)
     if len(paths) > 1:
         raise ConfigError(f"measure: got --bcf for {len(paths)} scans; give one scan")
+    # No scan, project or result ends so.
+    if target.suffix.lower() not in _BCF_SUFFIXES:
+        raise ConfigError(f"{target}: does not end in {' or '.join(_BCF_SUFFIXES)}; give another file with --bcf")
     check_folder(target.parent, "--bcf")
-    kept = [*paths, *((Path(measure.project),) if measure.project else ())]
-    if target.is_dir() or target.resolve() in [path.resolve() for path in kept]:
-        raise ConfigError(f"{target}: is a folder, the scan or the project; give another file with --bcf")
+    if target.is_dir():
+        raise ConfigError(f"{target}: is a folder; give another file with --bcf")
