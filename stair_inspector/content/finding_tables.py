@@ -41,7 +41,7 @@ def listed_table(findings: tuple[ListedFinding, ...]) -> Table:
         (Column("What was found", width=5.0), lambda each: _words_of(each)),
         (Column("Severity"), lambda each: Status(each.severity, SEVERITY_TONES[each.severity])),
         (Column("State"), lambda each: each.state),
-        (Column("By"), lambda each: each.who if each.who or each.is_pin else "program"),
+        (Column("By"), _by_of),
         (Column("When"), lambda each: moment_words(each.when)),
         note=(
             "Pins of the inspector come first, then what the program found. Severity: a value outside its limit is "
@@ -73,6 +73,11 @@ def listed_record(entry: ListedFinding) -> dict[str, Any]:
         "when": entry.when or None,
         "has_photo": entry.photo is not None,
     }
+
+
+def _by_of(entry: ListedFinding) -> str:
+    """Return who found it, or said something of it: the inspector where no name was given."""
+    return entry.who or ("inspector" if entry.is_pin or entry.remark or entry.when else "program")
 
 
 def _words_of(entry: ListedFinding) -> str:

@@ -118,8 +118,8 @@ def _filled(block: Block) -> Iterable[Block]:
             yield replace(block, items=items, columns=2)
     elif isinstance(block, Table) and block.key == "list_of_findings":
         # What the program found stands before it.
-        by = [column.name for column in block.columns].index("By")
-        rows = tuple(row for row in block.rows if row[by] != "program")
+        kind, by = ([column.name for column in block.columns].index(name) for name in ("Kind", "By"))
+        rows = tuple(row for row in block.rows if row[kind] == "pin" or row[by] != "program")
         if rows:
             yield replace(block, rows=rows, tones=(), note="")
     elif isinstance(block, Table) and block.key == "fits":

@@ -7,11 +7,14 @@ import pytest
 from stair_inspector.codes import check
 from stair_inspector.content.document import Facts, Figure, Signatures
 from stair_inspector.content.fields import ReportBasis, ReportFields
+from stair_inspector.content.order import build_document
+from stair_inspector.content.pins import FindingDecision, PinnedFindings
 from stair_inspector.content.short import shortened
 from stair_inspector.files.rule_sets import find_rule_set
-from stair_inspector.model import Observation
+from stair_inspector.model import Note, Observation
 from stair_inspector.stages.withhold import withhold
 from stair_inspector.writers.pdf import pdf_bytes
+from tests.content.test_pins import PIN
 from tests.writers.samples import BASIS, MADE_AT, checked, document, pdf_pages, plain_document, scanned
 
 
@@ -78,6 +81,18 @@ def test_forms_that_nobody_has_filled_take_no_room():
         if isinstance(block, Facts) and block.key == "instrument"
         for label, value in block.items
     ]
+
+
+def test_what_the_inspector_said_of_a_finding_stands_in_it_with_and_without_a_name():
+    inspection = dataclasses.replace(scanned("straight")[1], notes=(Note("step_blurred", "survey", "is blurred", 2),))
+    pin = dataclasses.replace(PIN, who="program", photo=None)
+    for who, by in (("", "inspector"), ("J. Alder", "J. Alder")):
+        said = FindingDecision("note/step_blurred/step 2", remark="seen on site", who=who)
+        for decisions, expected in (((said,), ["program", by]), ((), ["program"])):
+            pinned = PinnedFindings((pin,), decisions)
+            full = build_document(inspection, None, ReportBasis(), MADE_AT, pinned=pinned)
+            (listed,) = [table for table in shortened(full).tables() if table.key == "list_of_findings"]
+            assert columns_of(listed)["By"] == expected
 
 
 def test_a_scan_without_a_check_or_a_staircase_has_a_short_report_too():
