@@ -169,6 +169,13 @@ class Desk:
             self.is_dark = bool(is_dark)
             self.changed(PageChange.THEME)
 
+    def stop_taking(self, taker: Callable[[tuple[float, float, float]], None]) -> bool:
+        """Give up taking points, where it is this one that takes them, and return whether it was; the lock is held."""
+        is_own = self.point_taker == taker
+        if is_own:
+            self.point_taker = None
+        return is_own
+
     def set_palette(self, option: str) -> None:
         """Draw the result in other colours.
 

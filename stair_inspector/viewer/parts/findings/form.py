@@ -82,9 +82,7 @@ class FindingForm:
     def stop_picking(self) -> bool:
         """Give up picking, or forget the point; return whether there was one."""
         with self._desk.lock:
-            is_picking = self._desk.point_taker == self._take
-            if is_picking:
-                self._desk.point_taker = None
+            is_picking = self._desk.stop_taking(self._take)
             had = is_picking or self._place is not None
             self._place = None
             if had:
@@ -150,8 +148,7 @@ class FindingForm:
         if self._frame != self._desk.frame:
             # A point or a photograph of another scan is none of this one.
             self._frame, self._place, self._photo = self._desk.frame, None, None
-            if self._desk.point_taker == self._take:
-                self._desk.point_taker = None
+            self._desk.stop_taking(self._take)
             self._say("")
         entry = self._chosen()
         self._head.content = chosen_html(entry, self._place_words(), self._photo)

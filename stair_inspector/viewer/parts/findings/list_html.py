@@ -25,9 +25,9 @@ _STYLE = "font-size:12px;line-height:1.35;padding:0 8px 6px 5px"
 _BUTTON = "border:0;background:none;cursor:pointer;color:inherit;padding:2px 4px;font-size:14px"
 
 
-def key_of(findings: tuple[ListedFinding, ...]) -> int:
+def keys_of(findings: tuple[ListedFinding, ...]) -> tuple[str, ...]:
     """Return what names this list in the orders of its rows: values that change with a slider do not change it."""
-    return list_key(tuple(entry.key for entry in findings))
+    return tuple(entry.key for entry in findings)
 
 
 def findings_html(
@@ -54,7 +54,7 @@ def findings_html(
         words = "Nothing was found. To pin what you find: choose a step or pick a point, write it down, set the pin."
         return aside("findings", words)
     listed = [entry for entry in findings if with_done or not entry.is_done]
-    key = key_of(findings)
+    key = list_key(keys_of(findings))
     rows = "".join(
         _row(entry, key, order_uuid, is_chosen=entry.key == chosen, has_words=entry.is_pin or entry.key in said_of)
         for entry in listed[:_MOST_ROWS]

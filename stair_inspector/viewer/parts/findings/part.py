@@ -8,7 +8,7 @@ from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.viewer.bridge.markup import read_order
 from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.parts.findings.form import FindingForm
-from stair_inspector.viewer.parts.findings.list_html import FINDING_ORDERS, findings_html, key_of
+from stair_inspector.viewer.parts.findings.list_html import FINDING_ORDERS, findings_html, keys_of
 from stair_inspector.viewer.parts.findings.marks import marks_in_scene
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.scene.framing import near_pose
@@ -110,22 +110,15 @@ class FindingsPart(PagePart):
         """Do what a row or one of its buttons asks for."""
         order = read_order(message, FINDING_ORDERS)
         with self._desk.lock:
-            # The list is named by its findings, not by their values, which a slider changes.
-            if order.key != key_of(self.listed) or not 1 <= order.number <= len(self.listed):
-                raise ConfigError("findings: the list has changed since; choose the row once more")
-            entry = self.listed[order.number - 1]
+            entry = self.listed[order.index_in(keys_of(self.listed), "findings")]
             if order.word == "show":
                 self._look_at(entry)
             elif order.word == "done":
-                self.set_done(entry, not entry.is_done)
+                self.form.set_done(entry, not entry.is_done)
             else:
                 self._editor.edit(
                     f"deleted finding {entry.number}", lambda work: {"findings": work.findings.without(entry.key)}
                 )
-
-    def set_done(self, entry: ListedFinding, is_done: bool) -> None:
-        """Mark a finding as done, or as open again."""
-        self.form.set_done(entry, is_done)
 
     def _look_at(self, entry: ListedFinding) -> None:
         self._choose(entry.key)

@@ -81,7 +81,8 @@ class ScanPart(PagePart):
 
     def put_away(self) -> bool:
         """Give up picking points."""
-        self.upright.stop()
+        with self._desk.lock:
+            self.upright.stop()
         return False
 
     def close(self) -> None:

@@ -50,7 +50,7 @@ class UprightTool:
     def stop(self) -> None:
         """Give up picking."""
         self._points, self._frame = [], self._desk.frame
-        self._desk.point_taker = None
+        self._desk.stop_taking(self._take)
         self._say("")
 
     def show(self) -> None:

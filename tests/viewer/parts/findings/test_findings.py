@@ -12,7 +12,8 @@ from stair_inspector.content.finding_list import list_findings
 from stair_inspector.content.pins import FindingDecision, PinnedFindings
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.chosen_rules import ChosenRules
-from stair_inspector.viewer.parts.findings.list_html import findings_html, key_of
+from stair_inspector.viewer.bridge.markup import list_key
+from stair_inspector.viewer.parts.findings.list_html import findings_html, keys_of
 from stair_inspector.viewer.parts.findings.marks import marks_in_scene
 from tests.content.staircases import staircase
 from tests.content.test_pins import GUID, PIN, guid
@@ -37,7 +38,7 @@ def set_pin(session, words="a crack", severity="major", step=2):
 
 
 def order(tab, word, number):
-    return f"{word} {key_of(tab.listed)} {number}:"
+    return f"{word} {list_key(keys_of(tab.listed))} {number}:"
 
 
 def click(session, row):
@@ -109,6 +110,17 @@ def test_escape_gives_the_point_up_and_so_does_another_scan(page, session, tab):
     part_of(session, "scan").choose(OTHER)
     page.await_result(OTHER)
     assert "choose a step" in tab.form._place_words()
+
+
+def test_correcting_up_takes_no_point_from_a_pin_that_waits_for_one(session, tab):
+    upright = part_of(session, "scan").upright
+    tab.start_pin()
+    upright.stop()
+    click(session, 10)
+    assert "(" in tab.form._place_words()
+    upright.start("Pick 3 floor points")
+    tab.form.stop_picking()
+    assert session.desk.point_taker == upright._take
 
 
 def test_a_photograph_goes_with_the_new_pin_or_with_the_chosen_one(session, tab):
