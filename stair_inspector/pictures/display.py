@@ -9,7 +9,6 @@ from stair_inspector.model import Scan
 
 MAX_POINTS = 600_000
 """Points sent to a page; 15 bytes each. The measurement always uses all of them."""
-"""Of surfaces that are no part of the staircase, where they are shown: muted, and none of the steps' hues."""
 _CELL_M = 0.02
 _CELLS_ACROSS = 100
 _PLAIN_COLOR = (172, 176, 182)
@@ -78,8 +77,8 @@ def _greys(intensities: Floats) -> Colors:
     if len(known):
         low, high = np.percentile(known, _STRETCHED)
         if high <= low:
-            low, high = known.min(), max(known.max(), known.min() + 1e-9)
-        share = np.clip((known - low) / (high - low), 0.0, 1.0)
+            low, high = known.min(), known.max()
+        share = np.clip((known - low) / max(high - low, 1e-300), 0.0, 1.0)
         colors[is_known] = np.rint(_GREYS[0] + share * (_GREYS[1] - _GREYS[0])).astype(np.uint8)[:, None]
     return colors
 

@@ -9,7 +9,7 @@ import pytest
 
 from stair_inspector.files.scans import read_scan
 from stair_inspector.pictures.coloring import color_points
-from stair_inspector.pictures.display import choose_display
+from stair_inspector.pictures.display import choose_display, display_of
 from stair_inspector.pipeline import inspect
 from stair_inspector.writers.segmented import segmented_bytes
 from tests.files.e57_files import XYZ, doubles, e57_bytes, station
@@ -101,6 +101,11 @@ def test_a_cloud_without_colours_is_grey_by_intensity_between_percentiles():
     # One point that reflects far more than all others leaves these what they are.
     assert grey[0] < 40
     assert grey[97] > 200
+
+
+def test_drawn_points_that_reflect_alike_have_one_grey():
+    scan = shining([4e9])
+    assert (display_of(scan, np.arange(50)).greys == choose_display(shining([7.0])).greys[0]).all()
 
 
 def test_colouring_by_intensity_takes_the_greys_or_says_that_there_are_none():

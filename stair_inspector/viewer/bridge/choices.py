@@ -16,8 +16,6 @@ class Choice:
         As for viser's own group.
     chosen : str
         What is on at first.
-    is_visible : bool
-        Whether the group shows at first.
     """
 
     def __init__(
@@ -27,11 +25,9 @@ class Choice:
         options: tuple[str, ...],
         chosen: str,
         hint: str | None = None,
-        *,
-        is_visible: bool = True,
     ) -> None:
         self._options = options
-        self.group = gui.add_button_group(label, options, hint=hint, visible=is_visible)
+        self.group = gui.add_button_group(label, options, hint=hint)
         self._mark = gui.add_html("")
         self.show(chosen)
 

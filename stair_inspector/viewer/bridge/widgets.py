@@ -231,10 +231,9 @@ class Widgets:
         on_press: Callable[[str], None],
         *,
         hint: str | None = None,
-        is_visible: bool = True,
     ) -> Choice:
         """Add a row of buttons of which one is on."""
-        made = Choice(self.gui, label, options, chosen, hint, is_visible=is_visible)
+        made = Choice(self.gui, label, options, chosen, hint)
         made.group.on_click(from_page(self._guard(on_press), lambda: made.group.value))
         return made
 

@@ -119,7 +119,7 @@ class Stage:
     def color_raw(self, colors: Colors) -> None:
         """Give the points of the raw cloud (m, 3) other colours; those that it has are not sent again."""
         if colors is not self._raw_colors:
-            self._nodes["/stair/raw"].colors = self._raw_colors = colors
+            self._nodes[RAW].colors = self._raw_colors = colors
 
     @_counted
     def show_drawing(self, drawing: SegmentedScene, palette: Palette, on_pick: Callable[[int], None]) -> None:

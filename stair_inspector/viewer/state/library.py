@@ -112,7 +112,7 @@ class Library:
             path = self._scans.get(label) or (self._uploads.get(label) if label in own else None)
         if path is None:
             raise ConfigError(
-                f"scan: {str(label)[:60]!r} is none of the files that were opened; choose one of the menu"
+                f"scan: {str(label)[:60]!r} is none of the files that were opened; choose one of the list"
             )
         return path
 

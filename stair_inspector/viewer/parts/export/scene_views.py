@@ -155,7 +155,7 @@ class SceneViews:
         desk, stage = self._desk, self._desk.stage
         with desk.lock:
             chosen = stage.mode
-            # The camera stands again as it did in that mode, and follows the steps into the one chosen since.
+            # The camera stands again as it did in that mode; in the one chosen since it is framed anew.
             stage.set_mode(mode_before)
             stage.lend(None)
             desk.changed(PageChange.COLORS)
