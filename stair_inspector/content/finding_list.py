@@ -200,8 +200,7 @@ def _keyed(found: Iterable[ListedFinding]) -> Iterator[ListedFinding]:
     times: dict[str, int] = {}
     for entry in found:
         times[entry.key] = times.get(entry.key, 0) + 1
-        # As long as what is kept may be.
-        key = plain(entry.key)[:180]
+        key = plain(entry.key)
         yield replace(entry, key=key if times[entry.key] == 1 else f"{key} #{times[entry.key]}")
 
 

@@ -23,7 +23,8 @@ MOST_PIN_PHOTOS = 60
 MOST_PIN_PHOTO_BYTES = 8_000_000
 """Of the photographs of all pins together: with those of the report they fit into a project file."""
 LONGEST_PIN_TEXT = 1000
-_LONGEST_NAME, _LONGEST_KEY = 100, 200
+_LONGEST_NAME, _LONGEST_KEY = 100, 250
+"""A key holds the ids of a rule set and of a rule, 80 characters each, and a place."""
 _PHOTO_PIXELS = (1000, 1000)
 """A pin's photograph stands small in a report."""
 _GUID = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")

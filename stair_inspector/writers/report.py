@@ -56,6 +56,12 @@ def make_report(
     return build_document(inspection, check, basis, made_at, pictures, pinned)
 
 
+def of_length(document: Document, length: ReportLength) -> dict[str, Document]:
+    """Return what each file of the report tells, by suffix: PDF and HTML short or in full, XLSX every table."""
+    told = document if length == "full" else shortened(document)
+    return dict(zip(SUFFIXES, (told, told, document), strict=True))
+
+
 def report_bytes(document: Document, length: ReportLength = "full") -> dict[str, bytes]:
     """Return the report by suffix: PDF and HTML, short or in full, and XLSX, which holds every table at all times.
 
@@ -64,8 +70,8 @@ def report_bytes(document: Document, length: ReportLength = "full") -> dict[str,
     MissingLibrary
         A library that typesets is not installed.
     """
-    told = document if length == "full" else shortened(document)
-    return dict(zip(SUFFIXES, (pdf_bytes(told), html_bytes(told), xlsx_bytes(document)), strict=True))
+    makers = zip((pdf_bytes, html_bytes, xlsx_bytes), of_length(document, length).items(), strict=True)
+    return {suffix: make(told) for make, (suffix, told) in makers}
 
 
 def drawing_bytes(inspection: Inspection, made_at: datetime) -> dict[str, bytes]:

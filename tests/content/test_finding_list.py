@@ -49,6 +49,18 @@ def test_missing_values_are_one_row_for_each_rule_and_flight():
     assert missing.text.startswith("riser height: not measured (R311.7.5.1)")
 
 
+def test_what_is_said_of_a_rule_of_the_longest_name_is_kept_for_its_step_alone():
+    _, inspection = scanned()
+    known = find_rule_set("us-ibc-2021")
+    rules = tuple(dataclasses.replace(rule, rule_id=rule.rule_id.ljust(80, "x")) for rule in known.rules)
+    found = check(inspection, dataclasses.replace(known, set_id="s" * 80, rules=rules))
+    keys = [entry.key for entry in list_findings(inspection, found, NOTHING)]
+    assert len(set(keys)) == len(keys)
+    assert max(map(len, keys)) > 180
+    said = NOTHING.with_decision(FindingDecision(max(keys, key=len), is_done=True))
+    assert sum(entry.is_done for entry in list_findings(inspection, found, said)) == 1
+
+
 def test_doubts_and_notes_that_matter_are_rows_and_each_has_a_key_of_its_own():
     inspection = dataclasses.replace(
         staircase(),

@@ -9,7 +9,7 @@ from stair_inspector.codes import Check
 from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.project_basis import titled
-from stair_inspector.content.short import LENGTHS, ReportLength, shortened
+from stair_inspector.content.short import LENGTHS, ReportLength
 from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.model import Inspection
 from stair_inspector.pictures.report_views import RenderedView
@@ -21,7 +21,7 @@ from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.html import html_bytes
 from stair_inspector.writers.json import json_bytes
 from stair_inspector.writers.pdf import pdf_bytes
-from stair_inspector.writers.report import DRAWING_SUFFIXES, SUFFIXES, drawing_bytes, make_report
+from stair_inspector.writers.report import DRAWING_SUFFIXES, SUFFIXES, drawing_bytes, make_report, of_length
 from stair_inspector.writers.xlsx import xlsx_bytes
 from stair_inspector.writers.zips import zip_bytes
 
@@ -115,9 +115,7 @@ class ReportMaker:
         document = make_report(
             shown.scan, shown.inspection, order.basis, order.made_at, order.check, views, order.pinned
         )
-        told = {
-            name: document if order.length == "full" or name == "XLSX" else shortened(document) for name in DOCUMENTS
-        }
+        told = dict(zip(DOCUMENTS, of_length(document, order.length).values(), strict=True))
         if kind in DOCUMENTS:
             tell(f"report: {kind} …", 85.0)
             return _MAKERS[kind](told[kind])
