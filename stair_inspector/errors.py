@@ -77,7 +77,8 @@ def one_of(value: object, options: Iterable[Option], place: str) -> Option:
     ConfigError
         It is none of the options; ``place`` says whose it would be.
     """
-    for option in options:
+    known = tuple(options)
+    for option in known:
         if option == value:
             return option
-    raise ConfigError(f"{place}: got {str(value)[:40]!r}; give one of {', '.join(options)}")
+    raise ConfigError(f"{place}: got {str(value)[:40]!r}; give one of {', '.join(known)}")

@@ -38,7 +38,7 @@ _INTERNAL = "an internal error stopped this run; the server's log has the detail
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What a run is asked for: a scan by its name in the menu, and settings."""
+    """What a run is asked for: a scan by its name in the list, and settings."""
 
     label: str
     params: Params

@@ -109,7 +109,7 @@ class Desk:
 
     @property
     def frame(self) -> tuple[str, str] | None:
-        """Whose frame coordinates are in: the scan by its name in the menu, and the unit that it was read in."""
+        """Whose frame coordinates are in: the scan by its name in the list, and the unit that it was read in."""
         return (self.shown.label, self.shown.scan.unit) if self.shown is not None else None
 
     def show(self, shown: Shown) -> None:

@@ -1,4 +1,4 @@
-"""The side table of steps: the survey's columns or the paper's, as HTML."""
+"""The table of steps below the scene: the survey's columns or the paper's, as HTML."""
 
 from collections.abc import Mapping
 

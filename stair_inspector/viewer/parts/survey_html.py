@@ -1,4 +1,4 @@
-"""The survey's part of the side table, the card of the chosen step and the list of rejected surfaces, as HTML."""
+"""The survey's part of the table of steps, the card of the chosen step and the list of rejected surfaces, as HTML."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -27,7 +27,7 @@ _MOST_PROJECTS = 50
 
 
 class Library:
-    """The files of one server: scans by their name in the menu, uploads, and the projects beside them.
+    """The files of one server: scans by their name in the list, uploads, and the projects beside them.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class Library:
             self._listed = tuple(dict.fromkeys(known[path] for path in found)) or self._listed
 
     def labels(self, own: Sequence[str] = ()) -> tuple[str, ...]:
-        """Return the names in the menu: the server's scans, then those uploads that are one's own."""
+        """Return the names in the list: the server's scans, then those uploads that are one's own."""
         with self._lock:
             return (*self._listed, *(label for label in own if label in self._uploads))
 
@@ -138,7 +138,7 @@ class Library:
             )
 
     def add_upload(self, name: str, content: bytes) -> str:
-        """Keep an uploaded scan until the server ends, or :meth:`forget_upload`; return its name in the menu.
+        """Keep an uploaded scan until the server ends, or :meth:`forget_upload`; return its name in the list.
 
         Raises
         ------

@@ -122,7 +122,7 @@ class Opening:
         return len(set(now) - set(before)), len(now)
 
     def keep_upload(self, file: File) -> str:
-        """Keep an uploaded scan and return its name in the menu."""
+        """Keep an uploaded scan and return its name in the list."""
         while self._library.is_full() and self._kept.forget_oldest_uploads():
             continue
         label = self._library.add_upload(str(file.name), file.content)

@@ -19,7 +19,7 @@ _LEAVING_S = 10.0
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What a page was last at: a scan by its name in the menu, the work on all that it had open, and its uploads."""
+    """What a page was last at: a scan by its name in the list, the work on all that it had open, and its uploads."""
 
     label: str
     benches: Mapping[str, Bench] = field(default_factory=dict)

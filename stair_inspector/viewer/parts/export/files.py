@@ -58,7 +58,7 @@ class Downloads:
     def add_files(self) -> None:
         """Add the buttons for the result's numbers and points."""
         self._add("CSV", viser.Icon.TABLE, "One row for each step, millimetres and degrees.")
-        self._add("JSON", viser.Icon.BRACES, "Everything: settings, levels, steps, notes; metres and degrees.")
+        self._add("JSON", viser.Icon.BRACES, "All: settings, levels, steps, findings, notes; metres and degrees.")
         self._add("Debug PLY", viser.Icon.CUBE, "The scan in the paper's colours with its edges.")
         self._add("BCF", viser.Icon.FLAG, "The findings as issues of BCF 2.1, which programs for building models read.")
         fields = "Every point with step, kind and residual_m as fields"

@@ -45,3 +45,10 @@ def test_what_no_click_sends_is_a_sentence(page, session, message):
     with pytest.raises(ConfigError, match="got "):
         docked.obey(message)
     assert docked.html.content == before
+
+
+def test_a_column_that_is_none_is_refused_with_all_of_them(session):
+    docked = part_of(session, "docked")
+    for message in ("sort survey x:1", "column survey x:1"):
+        with pytest.raises(ConfigError, match=r"got 'x'; give one of .*rise.*, rms, coverage, points"):
+            docked.obey(message)
