@@ -81,12 +81,13 @@ def align(before: Epoch, after: Epoch, matching: Matching) -> Aligned:
         raise CannotMeasure(f"{names}: no two surfaces lie alike in both scans, so nothing can be said to have stayed")
     a, b, c = upright.motion
     motion = motion.then(about(centre, np.array([-c, b, 0.0]), np.array([0.0, 0.0, -a])))
-    planes, floor = _planes(before, after, pairs, motion)
+    # Which surfaces the consensus is of: another cell more or less may be seen under the last motion.
     seen = [k for k, plane in enumerate(planes) if plane is not None]
     steady = [False] * len(pairs)
     for k, is_in in zip(seen, upright.is_steady, strict=False):
         steady[k] = bool(is_in)
     is_floor = floor is not None and bool(upright.is_steady[-1])
+    planes, floor = _planes(before, after, pairs, motion)
     return Aligned(motion, centre, upright, in_plan, planes, floor, tuple(steady), is_floor)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from stair_inspector.comparison.epochs import Epoch, Tread
 from stair_inspector.comparison.motions import RigidMotion
 from stair_inspector.geometry.arrays import Bools, Floats, Ints
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA, median
 from stair_inspector.geometry.plan import left_of
 
 _CELL_M, _LARGEST_CELL_M = 0.04, 0.12
@@ -19,7 +20,7 @@ _SLAB_M, _SLAB_SIGMAS = 0.02, 4.0
 _FRONT_M, _BACK_M, _SIDE_M = 0.005, 0.02, 0.015
 """What is left out along the edges, where a beam sees two surfaces."""
 _MEDIAN = math.sqrt(math.pi / 2.0)
-_K = 2.0
+"""Standard uncertainty of a median against that of a mean."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,9 +81,8 @@ def tread_change(before: Epoch, tread: Tread, after: Epoch, other: Tread, motion
     """Return how a tread lies in the later scan against the earlier one, under a motion between them."""
     moved = motion.moved_tread(other)
     grid = _grid_over(tread, _cell_of((tread, other)))
-    inverse = RigidMotion(motion.turn.T, -motion.turn.T @ motion.shift_m)
-    ours = _points_on(before, tread, tread, inverse=None, motion=None)
-    theirs = _points_on(after, other, tread, inverse=inverse, motion=motion)
+    ours = _points_on(before, tread, tread, None)
+    theirs = _points_on(after, other, tread, motion)
     # Each on its own plane, so that a thing on the tread stays off and a tread that tilted stays on.
     ours = ours[:, np.abs(ours[2] - tread.height_at(ours[0], ours[1])) <= _slab_of(tread)]
     theirs = theirs[:, np.abs(theirs[2] - moved.height_at(theirs[0], theirs[1])) <= _slab_of(other)]
@@ -99,7 +99,7 @@ def floor_change(before: Epoch, after: Epoch, motion: RigidMotion, reach_m: floa
     corner = middle - reach_m * (foot.climb + left_of(foot.climb))
     grid = Grid(cell_m, corner, foot.climb, n, n)
     theirs = motion.moved(after.floor)
-    level = np.array([float(np.median(before.floor[2])), 0.0, 0.0])
+    level = np.array([median(before.floor[2]), 0.0, 0.0])
     return _change(grid, level, before.floor, theirs, np.ones(n * n, dtype=bool))
 
 
@@ -124,24 +124,21 @@ def _heights(grid: Grid, plane: Floats, points: Floats) -> CellHeights:
     counts = np.bincount(cells, minlength=n_cells)
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     is_enough = counts >= _FEWEST
-    median = np.full(n_cells, math.nan)
+    medians = np.full(n_cells, math.nan)
     low, high = starts + (counts - 1) // 2, starts + counts // 2
-    median[is_enough] = (above[low[is_enough]] + above[high[is_enough]]) / 2.0
+    medians[is_enough] = (above[low[is_enough]] + above[high[is_enough]]) / 2.0
     # The scatter of one cell is known badly: that of all of them is taken, and never less than it.
-    left = np.abs(above - median[cells])
+    left = np.abs(above - medians[cells])
     left = left[np.isfinite(left)]
-    sigma = 1.4826 * float(np.median(left)) if len(left) else math.nan
+    sigma = MAD_TO_SIGMA * median(left)
     noise = np.full(n_cells, math.nan)
     noise[is_enough] = _MEDIAN * sigma / np.sqrt(counts[is_enough])
-    return CellHeights(median, noise)
+    return CellHeights(medians, noise)
 
 
-def _points_on(
-    epoch: Epoch, own: Tread, outline: Tread, inverse: RigidMotion | None, motion: RigidMotion | None
-) -> Floats:
-    """Return the points near a tread that lie within an outline, in the frame of the outline."""
-    corners = outline.corners if inverse is None else own.corners
-    heights = own.height_at(corners[:, 0], corners[:, 1])
+def _points_on(epoch: Epoch, own: Tread, outline: Tread, motion: RigidMotion | None) -> Floats:
+    """Return the points near a scan's own tread that lie, once moved, within the outline of another."""
+    heights = own.height_at(own.corners[:, 0], own.corners[:, 1])
     slab = _slab_of(own)
     points = epoch.between(float(heights.min()) - slab, float(heights.max()) + slab)
     if motion is not None:

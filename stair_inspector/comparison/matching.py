@@ -8,6 +8,7 @@ from stair_inspector.comparison.epochs import Epoch
 from stair_inspector.comparison.motions import RigidMotion, level_motion
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.percentiles import median
 from stair_inspector.geometry.plan import turn_deg
 
 _NEAR_M = 0.03
@@ -38,7 +39,8 @@ def match_steps(before: Epoch, after: Epoch) -> Matching:
         Another stair, too little in common, or two placings that fit alike.
     """
     ours, theirs = _middles(before), _middles(after)
-    our_floor, their_floor = float(np.median(before.floor[2])), float(np.median(after.floor[2]))
+    # Without a floor no height is near to its: nan.
+    our_floor, their_floor = median(before.floor[2]), median(after.floor[2])
     kinds = [tread.step.kind == "landing" for tread in before.treads]
     other_kinds = np.array([tread.step.kind == "landing" for tread in after.treads])
     placings: list[tuple[float, tuple[tuple[int, int], ...], RigidMotion]] = []

@@ -38,7 +38,7 @@ class ValueChange:
     """The change of one quantity of one step, by the quantity's name; None where a scan has no value.
 
     ``change`` is later less earlier, its ``u`` (k = 2) the root of the sum of the squares of both. ``is_changed`` says
-    that the change exceeds it, and also what the largest of ``n_tested`` such changes is by chance.
+    that the change exceeds it, and also what the largest of as many changes as were compared is by chance.
     """
 
     quantity: str

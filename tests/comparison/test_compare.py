@@ -1,13 +1,15 @@
 """What changed between two scans of one stair is found, what did not is not, whichever way they lie."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from stair_inspector.comparison import alignment
 from stair_inspector.comparison.compare import chance_widening, compare_scans
 from stair_inspector.errors import CannotMeasure, ConfigError
-from stair_inspector.model import Observation
+from stair_inspector.model import FLOOR_LABEL, NON_STAIR_LABEL, Observation
 from stair_inspector.pipeline import inspect
 from tests.comparison.epochs import LAST, MOVED, SETTLED, TURNED, WORN, compared, epoch, params
 
@@ -117,6 +119,32 @@ def test_a_scan_against_itself_shows_zero():
         for value in values_of(step).values():
             assert value.change is None or value.change.value == pytest.approx(0.0, abs=1e-9)
         assert np.nanmax(np.abs(step.deviations.deviation_m)) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_tread_too_little_seen_under_the_last_motion_leaves_the_others_as_they_are(monkeypatch):
+    whole, passes, planes_of = compared(True), [], alignment._planes
+
+    def planes(*args):
+        passes.append(args)
+        treads, floor = planes_of(*args)
+        return ((None, *treads[1:]) if len(passes) == n_passes else treads), floor
+
+    n_passes = alignment._PASSES + 2
+    monkeypatch.setattr(alignment, "_planes", planes)
+    found = compare_scans(*epoch(1, is_moved=False), *epoch(51, True))
+    assert len(passes) == n_passes
+    assert found.alignment.steady_ids == whole.alignment.steady_ids
+    assert found.alignment.is_floor_steady == whole.alignment.is_floor_steady
+
+
+def test_a_flight_of_even_steps_without_a_floor_is_refused_without_a_warning():
+    scan, inspection = epoch(51)
+    labels = np.where(inspection.labels == FLOOR_LABEL, NON_STAIR_LABEL, inspection.labels)
+    bare = replace(inspection, labels=labels)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(CannotMeasure, match="fit each other in two ways, a step apart"):
+            compare_scans(*epoch(1, is_moved=False), scan, bare)
 
 
 def test_another_stair_is_refused():
