@@ -8,6 +8,7 @@ import numpy as np
 from stair_inspector.comparison.cells import SurfaceChange
 from stair_inspector.comparison.epochs import Epoch, Tread, height_doubt, slope_doubt_of
 from stair_inspector.geometry.arrays import Bools, Floats
+from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import Measured, Step
 
@@ -82,7 +83,7 @@ def _steady_weights(rows: Floats, deviation: Floats, noise: Floats) -> Floats:
     for _ in range(10):
         left = deviation - rows @ best
         # What is worn counts in the scatter: not much more than the noise of the cells is believed of it.
-        scatter = 1.4826 * float(np.median(np.abs(left)))
+        scatter = MAD_TO_SIGMA * float(np.median(np.abs(left)))
         scale = np.clip(scatter, noise, _MOST_SCATTER * np.hypot(noise, _LEAST_SCALE_M))
         weights = np.clip(1.0 - (left / (_TUKEY * scale)) ** 2, 0.0, None) ** 2
         scaled = rows * (weights / noise**2)[:, None]

@@ -13,6 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from stair_inspector.geometry.arrays import Bools, Floats, Ints
+from stair_inspector.geometry.percentiles import MEDIAN_NOISE
 from stair_inspector.geometry.plan import in_frame
 from stair_inspector.geometry.sight import Sight
 from stair_inspector.model import Note, StepShape
@@ -29,8 +30,8 @@ _LEAST_U_M = 0.005
 """What mixed pixels and worn edges leave of an end, however near the points lie."""
 _LEAST_M = 0.008
 """What is less is left to the uncertainty of registration that the scanner's preset states."""
-_SURE, _MEDIAN = 4.0, 1.25
-"""Standard uncertainties by which a shift is told from chance; that of a median against that of a mean."""
+_SURE = 4.0
+"""Standard uncertainties by which a shift is told from chance."""
 _UNLIKE, _UNLIKE_SIGMAS = 0.35, 3.0
 """By so much of the shift, or so many standard uncertainties, the two sides may differ."""
 _OBSTACLE_M, _OF_DEPTH = 0.015, (0.3, 0.4, 0.5, 0.6)
@@ -130,7 +131,7 @@ def _shift_of(own: Sequence[_Ends], one: int, other: int) -> tuple[float, float]
         _median(np.array([side[other] - side[one] for side in sides]), weights)
         for sides in ([ends.low_m for ends in both], [ends.high_m for ends in both])
     )
-    u_m = _MEDIAN / math.sqrt(2.0 * float(weights.sum()))
+    u_m = MEDIAN_NOISE / math.sqrt(2.0 * float(weights.sum()))
     shift_m = (on_right + on_left) / 2.0
     is_alike = abs(on_right - on_left) <= max(_UNLIKE * abs(shift_m), _UNLIKE_SIGMAS * 2.0 * u_m)
     is_shown = is_alike and min(abs(on_right), abs(on_left)) > 0.5 * abs(shift_m)
