@@ -83,7 +83,7 @@ def bare_treads(horizontal: Horizontal, patches: Patches, chains: Chains) -> tup
                 _take_off(horizontal, surfaces, number, chain, strip, is_on[number], patches.cell_m)
             elif number in chain.steps:
                 # The side edges, too, may be those of the strip.
-                aside_m = _ASIDE_M + sum(strip.bare_m)
+                aside_m = max(_ASIDE_M + sum(strip.bare_m), surfaces[number].aside_m)
                 surfaces[number] = dataclasses.replace(surfaces[number], cover_m=strip.thick_m, aside_m=aside_m)
     if len(notes) == len(chains.notes):
         return patches, chains
@@ -176,7 +176,7 @@ def _take_off(
         bare = surface_of_rows(horizontal, whole.rows[~is_on], whole.level_id, cell_m)
     # Where it ends at a landing's nosing it still covers the riser below.
     covered = (strip.low - _MARGIN_M, strip.high + _MARGIN_M) if number in chain.steps else whole.covered_m
-    surfaces[number] = dataclasses.replace(bare, bounds_m=whole.bounds_m, covered_m=covered)
+    surfaces[number] = dataclasses.replace(bare, bounds_m=whole.bounds_m, aside_m=whole.aside_m, covered_m=covered)
 
 
 def _is_on_strip(points: Floats, chain: Chain, climb: Floats, strip: _Runner, is_step: bool) -> Bools:

@@ -204,7 +204,7 @@ def _widen(surfaces: list[Surface], pair: _Pair) -> None:
     for own, other in ((pair.right, pair.left), (pair.left, pair.right)):
         for number, beside in zip(own.steps, other.steps, strict=False):
             more_m = pair.size_m + _SAME_SIDE_M + float(np.ptp(left @ surfaces[beside].cells_m))
-            surfaces[number] = dataclasses.replace(surfaces[number], aside_m=more_m)
+            surfaces[number] = dataclasses.replace(surfaces[number], aside_m=max(more_m, surfaces[number].aside_m))
 
 
 def _note(before: Sequence[Surface], after: Sequence[Surface], pair: _Pair) -> Note:

@@ -54,6 +54,17 @@ def test_a_joint_in_the_treads_alone_is_said_and_the_widths_hold_either_part():
         assert all(abs(width.value - part) <= width.u for part in (LOW, WIDE.width - HIGH))
 
 
+def test_a_runner_beside_such_a_joint_leaves_the_widths_as_uncertain():
+    points, on, carpet_m = POINTS.copy(), in_gap(1.3, 1.9), 0.01
+    points[on & on_treads(), 2] += carpet_m
+    points[on & ~on_treads() & (POINTS[:, 0] > -0.02) & (POINTS[:, 2] > 0.01), 0] -= carpet_m
+    inspection = inspect(make_scan(points[~(in_gap() & on_treads())] @ rotation("z", 20.0).T), PARAMS)
+    assert {"flights_may_be_two", "runner"} <= codes(inspection)
+    assert widths(inspection)
+    for width in widths(inspection):
+        assert all(abs(width.value - part) <= width.u for part in (LOW, WIDE.width - HIGH))
+
+
 def test_a_joint_that_one_tread_lacks_is_no_gap_between_flights():
     inspection = found(in_gap() & ~((np.abs(POINTS[:, 2] - 2 * WIDE.rise) < 0.02) & on_treads()))
     assert "flights_may_be_two" not in codes(inspection)
