@@ -12,13 +12,12 @@ import math
 from collections.abc import Sequence
 from statistics import NormalDist
 
-from stair_inspector.model import Flight, Measured, Step
+from stair_inspector.model import COVERAGE_FACTOR, Flight, Measured, Step
 
 OWN_PARTS = ("noise", "edge", "resolution", "layers", "registration")
 """Parts that are independent from nosing to nosing."""
 COMMON_PARTS = ("up", "scale")
 """Parts that are one error of the whole scan."""
-_K = 2.0
 _ALL_ROUND = math.sqrt(-2.0 * math.log(0.05)) / 2.0
 """A circle that holds 95 % of a normal error in two directions, in expanded uncertainties (k = 2) of one."""
 
@@ -111,7 +110,7 @@ def spread(values: Sequence[Measured], are_chained: bool) -> tuple[Measured, flo
     found = difference(values[high], values[low], are_chained and abs(high - low) == 1)
     common = sum(part_of(found, name) ** 2 for name in COMMON_PARTS)
     own = max(0.0, found.u**2 - common)
-    widened = max(1.0, spread_quantile(len(values)) / (_K * math.sqrt(2.0)))
+    widened = max(1.0, spread_quantile(len(values)) / (COVERAGE_FACTOR * math.sqrt(2.0)))
     upwards = Measured(found.value, _largest_end(values, are_chained, found) - found.value)
     return upwards, math.sqrt(own * widened**2 + common), (low, high)
 

@@ -18,9 +18,8 @@ from stair_inspector.comparison.surfaces import PlaneChange, own_covariance, own
 from stair_inspector.errors import CannotMeasure
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.plan import left_of
-from stair_inspector.model import EpochAlignment
+from stair_inspector.model import COVERAGE_FACTOR, EpochAlignment
 
-_K = 2.0
 _PASSES = 3
 _FLOOR_SHARE = 0.5
 """What the floor weighs in the choice of what did not move, in shares of all treads: floors move less than flights."""
@@ -104,14 +103,14 @@ def alignment_of(before: Epoch, after: Epoch, aligned: Aligned, matching: Matchi
     climb = _mean_climb(treads)
     along, across = np.array([0.0, *climb]), np.array([0.0, *left_of(climb)])
     upright, plan = aligned.upright.covariance, aligned.in_plan.covariance
-    u_m = _K * max(height_noise(aligned, tread.corners.mean(axis=0)) for tread in treads)
+    u_m = COVERAGE_FACTOR * max(height_noise(aligned, tread.corners.mean(axis=0)) for tread in treads)
     parts = (
-        ("height_m", _K * math.sqrt(float(upright[0, 0]))),
-        ("tilt_along_deg", _K * math.degrees(math.sqrt(float(along @ upright @ along)))),
-        ("tilt_across_deg", _K * math.degrees(math.sqrt(float(across @ upright @ across)))),
-        ("shift_along_m", _K * math.sqrt(float(climb @ plan[:2, :2] @ climb))),
-        ("shift_across_m", _K * math.sqrt(float(left_of(climb) @ plan[:2, :2] @ left_of(climb)))),
-        ("turn_deg", _K * math.degrees(math.sqrt(float(plan[2, 2])))),
+        ("height_m", COVERAGE_FACTOR * math.sqrt(float(upright[0, 0]))),
+        ("tilt_along_deg", COVERAGE_FACTOR * math.degrees(math.sqrt(float(along @ upright @ along)))),
+        ("tilt_across_deg", COVERAGE_FACTOR * math.degrees(math.sqrt(float(across @ upright @ across)))),
+        ("shift_along_m", COVERAGE_FACTOR * math.sqrt(float(climb @ plan[:2, :2] @ climb))),
+        ("shift_across_m", COVERAGE_FACTOR * math.sqrt(float(left_of(climb) @ plan[:2, :2] @ left_of(climb)))),
+        ("turn_deg", COVERAGE_FACTOR * math.degrees(math.sqrt(float(plan[2, 2])))),
     )
     steady = tuple(tread.step.step_id for tread, is_in in zip(treads, aligned.is_steady, strict=True) if is_in)
     return EpochAlignment(

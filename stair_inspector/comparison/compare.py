@@ -16,6 +16,7 @@ from stair_inspector.comparison.words import notes_on
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.measured import usable
 from stair_inspector.model import (
+    COVERAGE_FACTOR,
     Inspection,
     Measured,
     Scan,
@@ -29,7 +30,6 @@ from stair_inspector.quantities import IN_FILES
 
 HEIGHT = "height"
 """The name of the change of a tread's height, beside those of the quantities."""
-_K = 2.0
 _FALSE_SHARE = 0.05
 """Chance that of all values of two scans of an unchanged stair one is called changed."""
 _COMPARED_VALUES = tuple(quantity for quantity in IN_FILES if quantity.field is not None and not quantity.made_of)
@@ -102,7 +102,7 @@ def compare_scans(before: Scan, found_before: Inspection, after: Scan, found_aft
 def chance_widening(n_tested: int) -> float:
     """Return by how much U (k = 2) is widened so that of so many differences of nothing one exceeds it rarely."""
     quantile = NormalDist().inv_cdf(1.0 - _FALSE_SHARE / (2.0 * max(1, n_tested)))
-    return max(1.0, quantile / _K)
+    return max(1.0, quantile / COVERAGE_FACTOR)
 
 
 def _values_of(step: Step, other: Step) -> list[ValueChange]:
@@ -123,8 +123,8 @@ def _height_change(aligned: Aligned, plane: PlaneChange | None, place: Floats | 
         return _NO_VALUE
     place = plane.middle_m if place is None else place
     row = np.array([1.0, *(place - plane.middle_m)])
-    own_u = _K * math.sqrt(float(row @ plane.covariance @ row))
-    laid_u = _K * height_noise(aligned, place)
+    own_u = COVERAGE_FACTOR * math.sqrt(float(row @ plane.covariance @ row))
+    laid_u = COVERAGE_FACTOR * height_noise(aligned, place)
     parts = (("surface", own_u), ("alignment", laid_u))
     return ValueChange(HEIGHT, None, None, Measured(float(row @ plane.change), math.hypot(own_u, laid_u), parts))
 

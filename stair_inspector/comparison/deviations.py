@@ -8,9 +8,8 @@ from stair_inspector.comparison.cells import SurfaceChange
 from stair_inspector.comparison.surfaces import PlaneChange
 from stair_inspector.geometry.arrays import Bools, Floats, own
 from stair_inspector.geometry.plan import left_of
-from stair_inspector.model import Measured, TreadDeviations
+from stair_inspector.model import COVERAGE_FACTOR, Measured, TreadDeviations
 
-_K = 2.0
 _FEWEST_TOGETHER = 3
 """Cells side by side that make a place which differs: one alone may hold a thing on the tread."""
 
@@ -33,13 +32,13 @@ def map_deviations(
     """
     grid = surface.grid
     shape = grid.n_rows, grid.n_columns
-    u_m = _K * np.sqrt(surface.noise_m**2 + over_all_m**2)
+    u_m = COVERAGE_FACTOR * np.sqrt(surface.noise_m**2 + over_all_m**2)
     u_m[~np.isfinite(surface.deviation_m)] = math.nan
     n_cells = int(np.count_nonzero(surface.is_surface))
     n_seen = int(np.count_nonzero(np.isfinite(surface.deviation_m)))
     is_local, worst = np.zeros(shape, dtype=bool), None
     if plane is not None:
-        limit = widening * _K * np.sqrt(surface.noise_m**2 + nearby_m**2)
+        limit = widening * COVERAGE_FACTOR * np.sqrt(surface.noise_m**2 + nearby_m**2)
         is_local, worst = _local(plane.left_m.reshape(shape), limit.reshape(shape))
     normal = np.array([-surface.reference[1], -surface.reference[2], 1.0])
     normal /= np.linalg.norm(normal)

@@ -8,9 +8,8 @@ import numpy as np
 from stair_inspector.errors import CannotMeasure, ConfigError
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.measured import OWN_PARTS, part_of
-from stair_inspector.model import FLOOR_LABEL, Inspection, Measured, Scan, Step
+from stair_inspector.model import COVERAGE_FACTOR, FLOOR_LABEL, Inspection, Measured, Scan, Step
 
-_K = 2.0
 _OVER_ALL = 3.0
 """How many times what registration adds to a rise it adds to a height against the whole stair: neighbours are seen from
 the same stations, ends are not. With simulated tripods
@@ -101,7 +100,7 @@ def surface_doubts(step: Step, others: tuple[Step, ...]) -> dict[str, float]:
 def systematic(doubts: dict[str, float], of_registration: float = 1.0) -> float:
     """Return the standard uncertainty of a height beside noise, with registration counted so many times, metres."""
     parts = {**doubts, "registration": of_registration * doubts["registration"], "noise": 0.0}
-    return math.hypot(*parts.values()) / _K
+    return math.hypot(*parts.values()) / COVERAGE_FACTOR
 
 
 def height_doubt(step: Step, others: tuple[Step, ...]) -> float:
@@ -114,7 +113,7 @@ def slope_doubt_of(slope_deg: Measured | None) -> float:
     if slope_deg is None:
         return math.radians(0.1)
     own = math.sqrt(sum(part_of(slope_deg, name) ** 2 for name in OWN_PARTS))
-    return math.radians(own) / _K
+    return math.radians(own) / COVERAGE_FACTOR
 
 
 def _level_turn(up: Floats) -> Floats:

@@ -10,9 +10,8 @@ from stair_inspector.comparison.epochs import Epoch, Tread, height_doubt, slope_
 from stair_inspector.geometry.arrays import Bools, Floats
 from stair_inspector.geometry.percentiles import MAD_TO_SIGMA
 from stair_inspector.geometry.plan import left_of
-from stair_inspector.model import Measured, Step
+from stair_inspector.model import COVERAGE_FACTOR, Measured, Step
 
-_K = 2.0
 _FEWEST_CELLS = 6
 _DRAWS, _SEED = 100, 0
 _TUKEY = 4.685
@@ -169,4 +168,4 @@ def own_doubt(measured: Measured | None, names: tuple[str, ...]) -> float:
     """Return the standard uncertainty of one of the two edges that a value hangs on, by these of its parts, metres."""
     if measured is None:
         return 0.0
-    return math.sqrt(sum(part * part for name, part in measured.parts if name in names) / 2.0) / _K
+    return math.sqrt(sum(part * part for name, part in measured.parts if name in names) / 2.0) / COVERAGE_FACTOR

@@ -40,11 +40,12 @@ from stair_inspector.model.notes import (
 from stair_inspector.model.paper import Axes, Edges, Extents, NearestPoints, PaperValues
 from stair_inspector.model.scan import Examination, Moved, ReadPart, Scan, ScanStations
 from stair_inspector.model.shapes import Arc, LocalPlane, StepShape
-from stair_inspector.model.steps import Flight, Measured, Statistics, Step
+from stair_inspector.model.steps import COVERAGE_FACTOR, Flight, Measured, Statistics, Step
 from stair_inspector.model.surfaces import NO_CHAINS, Chain, Chains, Patch, Patches, Surface, Surfaces
 
 __all__ = [
     "BLURRED",
+    "COVERAGE_FACTOR",
     "CUT_BACK",
     "CUT_FRONT",
     "CUT_SIDES",

@@ -7,6 +7,9 @@ from stair_inspector.geometry.arrays import Floats, Ints
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model.paper import PaperValues
 
+COVERAGE_FACTOR = 2.0
+"""k, by which a standard uncertainty is expanded: about 95 % for a value whose error is nearly normal."""
+
 
 @dataclass(frozen=True, slots=True)
 class Measured:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from stair_inspector import priors
-from stair_inspector.model import StepShape
-from stair_inspector.stages.doubt import LEAST_GRAZING, K
+from stair_inspector.model import COVERAGE_FACTOR, StepShape
+from stair_inspector.stages.doubt import LEAST_GRAZING
 from stair_inspector.stages.parts import ray_to
 
 _MOST_BLUR = 0.2
@@ -37,7 +37,7 @@ def find_blurred(shapes: Sequence[Sequence[StepShape]]) -> dict[int, str]:
         # A nosing's own face tells where it is, whatever the tread's noise.
         sigma_m = 0.0 if shape.front.source == "face" else shape.plane.sigma_m / grazing
         rows_m = shape.plane.spacing_m / math.sqrt(grazing)
-        blur_m = K * along * math.hypot(sigma_m, _EVEN * rows_m)
+        blur_m = COVERAGE_FACTOR * along * math.hypot(sigma_m, _EVEN * rows_m)
         if blur_m > _MOST_BLUR * priors.USUAL_GOING_M:
             angle_deg = math.degrees(math.asin(float(np.clip(grazing, 0.0, 1.0))))
             found[number] = (

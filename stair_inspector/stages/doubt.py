@@ -12,10 +12,8 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
 from stair_inspector.geometry.edges import EdgeLine
-from stair_inspector.model import LocalPlane, Measured
+from stair_inspector.model import COVERAGE_FACTOR, LocalPlane, Measured
 
-K = 2.0
-"""Coverage factor: about 95 % for a value whose error is nearly normal."""
 _FACE_EDGE_M = 0.000017
 _FACE_EDGE_SPACING = 0.0085
 _FACE_EDGE_SIGMA = 0.0425
@@ -57,7 +55,7 @@ def expanded(value: float, **parts: float) -> Measured:
     .. [1] JCGM 100:2008 (GUM), 5.1.2 for the sum of squares and 6.2 for the factor k.
     """
     # Numbers of numpy would be written by their type's name.
-    named = tuple((name, K * float(part)) for name, part in parts.items() if part > 0.0)
+    named = tuple((name, COVERAGE_FACTOR * float(part)) for name, part in parts.items() if part > 0.0)
     return Measured(float(value), math.sqrt(sum(part * part for _, part in named)), named)
 
 

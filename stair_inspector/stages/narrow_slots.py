@@ -92,7 +92,11 @@ def _is_open_on_risers(
     heights: HeightOrder, surfaces: Sequence[Surface], chain: Chain, climb: Floats, gap: tuple[float, float]
 ) -> bool:
     """Return whether the faces between the treads show a gap at a place across; not where they were not seen."""
-    middle, core_m = sum(gap) / 2.0, _CORE * (gap[1] - gap[0])
+    wide_m = gap[1] - gap[0]
+    if wide_m >= _BESIDE_M:
+        # Nothing is looked at beside it.
+        return False
+    middle, core_m = sum(gap) / 2.0, _CORE * wide_m
     n_in = n_beside = 0
     for (lower, upper), place in zip(itertools.pairwise(chain.steps), chain.middles[1:], strict=True):
         low_m, high_m = surfaces[lower].height_m, surfaces[upper].height_m
@@ -101,8 +105,8 @@ def _is_open_on_risers(
         ahead, off_m = climb @ points[:2] - float(place @ climb), np.abs(left_of(climb) @ points[:2] - middle)
         is_face = np.abs(ahead) <= _FACE_M
         n_in += int(np.count_nonzero(is_face & (off_m <= core_m / 2.0)))
-        n_beside += int(np.count_nonzero(is_face & (off_m > gap[1] - gap[0]) & (off_m <= _BESIDE_M)))
-    expected = n_beside * core_m / (2.0 * (_BESIDE_M - (gap[1] - gap[0])))
+        n_beside += int(np.count_nonzero(is_face & (off_m > wide_m) & (off_m <= _BESIDE_M)))
+    expected = n_beside * core_m / (2.0 * (_BESIDE_M - wide_m))
     return expected >= _FEWEST_ON_RISERS and n_in <= _EMPTY * expected
 
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from stair_inspector.geometry.edges import EdgeLine
-from stair_inspector.model import LocalPlane
+from stair_inspector.model import COVERAGE_FACTOR, LocalPlane
 from stair_inspector.stages.doubt import (
-    K,
     edge_doubt,
     expanded,
     layers_doubt,
@@ -32,7 +31,7 @@ def edge(source):
 
 def test_u_is_twice_the_root_of_the_sum_of_squares():
     measured = expanded(0.17, noise=0.003, edge=0.004)
-    assert K == 2.0
+    assert COVERAGE_FACTOR == 2.0
     assert measured.value == 0.17
     assert measured.u == pytest.approx(0.01, rel=1e-15)
     assert measured.parts == (("noise", 0.006), ("edge", 0.008))
