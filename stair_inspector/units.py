@@ -108,14 +108,14 @@ def difference_text(value: float, unit: ShownUnit) -> str:
 
 
 def signed_text(value: float, unit: ShownUnit | None) -> str:
-    """Return a difference in metres or degrees, or of a count, with its sign and without its unit.
+    """Return a difference in metres or degrees, or of a count, with its sign and without its unit; nothing for zero.
 
     Inches are written as a decimal: most differences are finer than any fraction.
     """
     places = 0 if unit is None else _DIFFERENCE_PLACES[unit]
     scaled = value if unit is None else value / M_PER_INCH if unit == "in" else _scaled(value, unit)
     rounded = tidy(scaled, places)
-    return f"{'+' if rounded > 0.0 else '−' if rounded < 0.0 else '±'}{abs(rounded):.{places}f}"
+    return f"{'+' if rounded > 0.0 else '−'}{abs(rounded):.{places}f}" if rounded else ""
 
 
 def uncertainty_text(u: float, unit: ShownUnit) -> str:

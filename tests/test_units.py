@@ -17,6 +17,7 @@ from stair_inspector.units import (
     number_text,
     parts_text,
     read_unit,
+    signed_text,
     u_text,
     uncertainty_text,
 )
@@ -110,6 +111,22 @@ def test_a_value_in_inches_gives_the_fraction_and_the_decimal_with_its_uncertain
 def test_the_decimal_value_in_inches_is_the_length_itself():
     words = measured_text(Measured(0.123456, 0.0004), "in")
     assert math.isclose(float(words.partition("(")[2].split(" ")[0]) * INCH, 0.123456, abs_tol=0.0005 * INCH)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "shown"),
+    [
+        (0.0, "mm", ""),
+        (-0.00004, "mm", ""),
+        (0.00004, "in", "+0.002"),
+        (-0.00006, "mm", "−0.1"),
+        (0.004, "°", ""),
+        (-1, None, "−1"),
+        (0, None, ""),
+    ],
+)
+def test_a_difference_has_a_sign_and_is_blank_where_it_is_zero_as_shown(value, unit, shown):
+    assert signed_text(value, unit) == shown
 
 
 @pytest.mark.parametrize("value", ["ft", "", None, 3, "<b>mm</b>", "MM"])

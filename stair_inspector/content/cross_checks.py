@@ -53,7 +53,7 @@ def closure_table(inspection: Inspection) -> Table:
         (Column("Plane to plane", "mm", 1), lambda each: millimetres(each.planes)),
         (
             (
-                Column("Difference", "mm", _CLOSURE_DIGITS),
+                Column("Difference", "mm", _CLOSURE_DIGITS, is_difference=True),
                 Column("U of the difference", "mm", _CLOSURE_DIGITS),
             ),
             lambda each: _told_apart(*lengths(each.difference)),
@@ -142,7 +142,7 @@ def readings_table(inspection: Inspection, basis: ReportBasis) -> Table:
             Column("U of the scan", digits=1, is_u=True),
             lambda found: size(found, None if found.scanned is None else found.scanned.u),
         ),
-        (Column("Difference", digits=1), lambda found: number(found, found.difference)),
+        (Column("Difference", digits=1, is_difference=True), lambda found: number(found, found.difference)),
         (Column("Result"), lambda found: found.result),
         (Column("Instrument and note", width=1.6), lambda found: said_of(found.reading)),
         note=note,

@@ -50,14 +50,16 @@ class Column:
     """One column of a table.
 
     ``digits`` is the number of decimals that are shown, None for texts. ``is_u`` marks the expanded uncertainty of the
-    column before it, which is shown beside that column's value. ``width`` is that of a text column relative to others;
-    one of width 1 takes no more than its texts need where they are short.
+    column before it, which is shown beside that column's value. ``is_difference`` leaves blank what is zero as shown.
+    ``width`` is that of a text column relative to others; one of width 1 takes no more than its texts need where they
+    are short.
     """
 
     name: str
     unit: str = ""
     digits: int | None = None
     is_u: bool = False
+    is_difference: bool = False
     width: float = 1.0
 
     @property
@@ -82,6 +84,8 @@ class Column:
         if self.is_u:
             return u_text(value)
         number = tidy(value, digits)
+        if self.is_difference and not number:
+            return ""
         is_grouped = not digits and abs(number) >= _GROUPED
         shown = f"{number:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}") if is_grouped else f"{number:.{digits}f}"
         return shown.replace("-", "−")

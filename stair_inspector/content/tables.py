@@ -189,7 +189,10 @@ def uniformity_table(inspection: Inspection) -> Table:
         (Column("Smallest", "mm", 1), lambda each: millimetres(each[2].min)),
         (Column("Largest", "mm", 1), lambda each: millimetres(each[2].max)),
         (Column("Range", "mm", 1), lambda each: millimetres(each[2].range)),
-        (Column("Largest difference of neighbours", "mm", 1), lambda each: millimetres(each[2].max_adjacent)),
+        (
+            Column("Largest difference of neighbours", "mm", 1, is_difference=True),
+            lambda each: millimetres(each[2].max_adjacent),
+        ),
         (Column("Between steps"), lambda each: pair(each[2])),
         note="Going: of treads; a landing has none. SD: standard deviation of the single values.",
         empty="Nothing to compare: no flight was measured.",

@@ -75,8 +75,8 @@ def _nosing(step_id: int, x: float, value: float, u: float, scale: ChartScale, s
         parts += [svg.line(x, low, x, high, svg.INK, 0.7)]
         parts += [svg.line(x - 2.0, end, x + 2.0, end, svg.INK, 0.7) for end in (low, high)]
     parts.append(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="2.1" fill="{svg.ACCENT}"/>')
-    signed = with_minus(f"{tidy(value, 1):+.1f}") if tidy(value, 1) else "0.0"
-    if svg.width_of(signed, 6.0) <= slot - 1.0:
+    signed = with_minus(f"{tidy(value, 1):+.1f}") if tidy(value, 1) else ""
+    if signed and svg.width_of(signed, 6.0) <= slot - 1.0:
         away = scale.y(value + (u if np.isfinite(u) else 0.0)) - 3.4
         under = scale.y(value - (u if np.isfinite(u) else 0.0)) + 7.6
         parts.append(svg.text_element(x, away if value >= 0.0 else under, signed, "middle", 6.0, has_halo=True))

@@ -284,6 +284,8 @@ def _brackets(
         x1, x2 = row.x(places[lower]), row.x(places[upper])
         color = svg.ALERT if is_outside else svg.DIM
         difference = abs(above.value - below.value) * 1000.0
+        if not tidy(difference, 1):
+            continue
         y = bottom + 23.0
         parts.append(svg.polyline([(x1, y - 2.0), (x1, y), (x2, y), (x2, y - 2.0)], color, 0.8))
         words = f"Δ {_value_text(difference)}" + (" !" if is_outside else "")

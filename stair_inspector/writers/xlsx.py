@@ -156,6 +156,9 @@ class _Sheets:
             # An uncertainty is shown with the digits that mean something, two at least.
             digits = max(digits, 2) if column.is_u else digits
             pattern = f"0.{'0' * digits}" if digits else "0"
+            if column.is_difference:
+                least = f"{0.5 * 10.0**-digits:.{digits + 1}f}"
+                pattern = f'[>={least}]{pattern};[<=-{least}]-{pattern};""'
             sheet.write_number(row, k, value, self._format(pattern, None, tone))
 
     def _format(self, pattern: str, text_tone: str | None, row_tone: str) -> Any:

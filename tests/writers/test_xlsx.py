@@ -80,6 +80,14 @@ def test_a_length_is_shown_with_the_decimals_of_the_report(book):
     assert sheet["C2"].value == pytest.approx(1000.0 * scanned()[1].steps[0].rise_m.value, abs=1e-6)
 
 
+def test_a_difference_that_is_zero_as_shown_is_a_blank_cell_in_every_format():
+    column = Column("Difference", "mm", 2, is_difference=True)
+    assert [column.text(each) for each in (0.0, -0.004, 0.006, -1.5, None)] == ["", "", "0.01", "−1.50", "–"]
+    cell = workbook(made_of(Table("t", "Table", (column,), ((-0.004,),))))["T"]["A2"]
+    # The number itself stays; the two conditions of the format are those above.
+    assert (cell.value, cell.number_format) == (-0.004, '[>=0.005]0.00;[<=-0.005]-0.00;""')
+
+
 @pytest.mark.parametrize("text", [*FORMULAS, HOSTILE])
 def test_a_text_is_never_a_formula_a_link_or_a_number(text):
     table = Table("t", "Table", (Column("A"), Column(text)), ((text, text),))

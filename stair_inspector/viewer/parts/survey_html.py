@@ -19,6 +19,7 @@ from stair_inspector.units import (
     number_text,
     parts_text,
     shown_in,
+    signed_text,
     value_and_u,
 )
 from stair_inspector.viewer.bridge.markup import (
@@ -118,7 +119,7 @@ def range_text(name: str, statistics: Statistics | None, unit: Unit = "mm") -> s
     if statistics is None:
         return ""
     words = f"{name} {number_text(statistics.min, unit)}–{number_text(statistics.max, unit)}"
-    if statistics.max_adjacent is None or statistics.at is None:
+    if statistics.at is None or not signed_text(statistics.max_adjacent or 0.0, unit):
         return f"{words} {unit}"
     return f"{words}, {_worst_words(statistics, unit)}"
 

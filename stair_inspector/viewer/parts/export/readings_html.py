@@ -93,4 +93,6 @@ def _u(u: float, shown: ShownUnit) -> str:
 
 
 def _with_unit(number: str, shown: ShownUnit) -> str:
+    if not number:
+        return ""
     return f"{number}°" if shown == "°" else f"{number} {shown}"

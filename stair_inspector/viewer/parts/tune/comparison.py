@@ -268,7 +268,9 @@ def _step_cell(value: Difference, unit: Unit) -> str:
     mark = ""
     if value.u_a is not None and value.u_b is not None and shown is not None:
         u = uncertainty_text(math.hypot(value.u_a, value.u_b), shown)
-        hint = f"B − A {_signed(value, unit)} {shown}, the two uncertainties together {u} {shown}"
+        told = _signed(value, unit)
+        hint = f"B − A {told} {shown}, " if told else ""
+        hint += f"the two uncertainties together {u} {shown}"
         mark = '<span style="color:#e8590c">! </span>' if value.is_beyond_u else ""
     return (
         f'<td data-quantity="{value.name}" title="{text(hint)}" style="{_CELL}">'
@@ -292,5 +294,5 @@ def _number(name: str, value: float | None, unit: Unit) -> str:
 
 
 def _signed(value: Difference, unit: Unit) -> str:
-    """Return B less A with its sign."""
+    """Return B less A with its sign, nothing where they are the same."""
     return NOT_KNOWN if value.difference is None else signed_text(value.difference, _shown(value.name, unit))

@@ -50,7 +50,10 @@ def test_a_result_compared_with_itself_has_no_difference():
     differences = [each.difference for row in comparison.steps for each in row.values]
     assert {d for d in differences if d is not None} == {0.0}
     assert not any(each.is_beyond_u for row in comparison.steps for each in row.values)
-    assert "The settings are the same." in comparison_html(comparison, "A", "B")
+    html = comparison_html(comparison, "A", "B")
+    assert "The settings are the same." in html
+    assert {cell[2] for cell in cells_of(html, 0)[1:]} <= {"", "–"}
+    assert "±" not in html
 
 
 def test_steps_are_matched_by_their_points_when_their_numbers_change():
