@@ -226,7 +226,7 @@ def _why_partly(rule: Rule) -> str:
     if rule.quantity == "width":
         return "the tread's width is inside the limit; the clear width was not seen"
     if rule.applies:
-        return f"inside the limit; applies to {rule.applies}, which the scan does not tell"
+        return f"inside the limit, where the clause applies: {rule.applies}"
     return "inside the limit; the scan shows only a part of what the clause limits"
 
 

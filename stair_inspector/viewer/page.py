@@ -40,10 +40,10 @@ from stair_inspector.viewer.parts.docked.part import DockedPart
 from stair_inspector.viewer.parts.drawing import SceneDrawing
 from stair_inspector.viewer.parts.export.part import ExportPart
 from stair_inspector.viewer.parts.findings.part import FindingsPart
+from stair_inspector.viewer.parts.foot import Foot
 from stair_inspector.viewer.parts.frame import Frame
 from stair_inspector.viewer.parts.judge import Judge
 from stair_inspector.viewer.parts.look.part import LookPart
-from stair_inspector.viewer.parts.page_settings import PageSettings
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.parts.scan.part import ScanPart
 from stair_inspector.viewer.parts.scene_look import SceneLook
@@ -69,7 +69,7 @@ PARTS: tuple[type[PagePart], ...] = (
     FindingsPart,
     LookPart,
     ExportPart,
-    PageSettings,
+    Foot,
 )
 """Every part, from the top of the panel to its foot; each that has a title is a tab. What lies over the drawing comes
 after it."""

@@ -344,6 +344,14 @@ class InspectorPage:
         self.is_scene_touched = True
         self.by_id("toolbar").get_by_role("button", name=button, exact=True).click()
 
+    def set_dark(self, is_dark):
+        """Show the page dark, or light."""
+        wanted = "dark" if is_dark else "light"
+        scheme = "document.documentElement.dataset.mantineColorScheme"
+        if self.page.evaluate(scheme) != wanted:
+            click_at_once(self.by_id("toolbar").get_by_role("button", name=wanted.capitalize(), exact=True))
+            self.page.wait_for_function(f"(wanted) => {scheme} === wanted", arg=wanted)
+
     def click_row(self, step):
         self.page.locator(f"[data-testid=step-row][data-step='{step}']").click()
 
@@ -360,8 +368,7 @@ class InspectorPage:
         # Only if it will show: a reset that is still under way would undo the next test's first edit.
         if not self.page.evaluate(_READY, [list(PRESET), "ready"]):
             self.hotkey("Shift+R")
-        if self.page.get_by_label("Dark theme").is_checked():
-            click_at_once(self.page.get_by_label("Dark theme"))
+        self.set_dark(False)
         # Home frames the steps that are shown: those of other settings would be framed elsewhere.
         self.await_result(*PRESET)
         if self.is_scene_touched:

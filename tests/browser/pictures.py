@@ -8,7 +8,7 @@ from playwright.sync_api import sync_playwright
 from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.settings import find_preset
 from stair_inspector.viewer.app import App
-from tests.browser.inspector_page import ARGUMENTS, InspectorPage, click_at_once, find_browser
+from tests.browser.inspector_page import ARGUMENTS, InspectorPage, find_browser
 
 IMAGES = Path(__file__).parents[2] / ".github" / "images"
 _AT_REST_MS = 5000
@@ -25,14 +25,14 @@ def steps(page):
 
 def tune(page):
     """The sliders, the histogram and the table below, the dark theme."""
-    click_at_once(page.page.get_by_label("Dark theme"))
+    page.set_dark(True)
     page.show("Segmented")
     page.tab("Tune")
 
 
 def section(page):
     """A section along the stair with its profile."""
-    click_at_once(page.page.get_by_label("Dark theme"))
+    page.set_dark(False)
     page.tab("Look")
     page.page.get_by_label("Section", exact=True).click()
     page.await_node("/stair/section/cloud")

@@ -264,6 +264,5 @@ def test_the_tab_fits_light_and_dark_with_everything_open(open_page, size):
     tabs = page.page.locator("[role=tab][data-dock-tab]")
     heights = {round(tab.bounding_box()["y"]) for tab in tabs.all() if tab.inner_text() in TABS}
     assert len(heights) == 1
-    click_at_once(page.page.get_by_label("Dark theme"))
-    page.page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+    page.set_dark(True)
     check_layout(page)

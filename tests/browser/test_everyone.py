@@ -3,7 +3,7 @@
 import pytest
 
 from stair_inspector.files.palettes import read_palette
-from tests.browser.inspector_page import click_at_once, share_of
+from tests.browser.inspector_page import share_of
 from tests.browser.test_layout import TABS
 
 _GRAVE = ("serious", "critical")
@@ -22,6 +22,17 @@ _SMALLEST_TEXT = """() => {
     }
     return sizes.sort((a, b) => a[0] - b[0])[0];
 }"""
+
+_SAID_TWICE = """() => {
+    const seen = new Map(), walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (walk.nextNode()) {
+        const of = walk.currentNode.parentElement, words = walk.currentNode.textContent.trim();
+        if (words.length < 40 || of.closest('script, style') || !of.checkVisibility()) continue;
+        seen.set(words, (seen.get(words) ?? 0) + 1);
+    }
+    return [...seen].filter(([, count]) => count > 1).map(([words]) => words);
+}"""
+"""Sentences that are on the page more than once."""
 
 
 def faults(page):
@@ -53,8 +64,7 @@ def test_nothing_on_the_tune_tab_keeps_anybody_out(page):
 def test_nothing_on_any_tab_keeps_anybody_out(open_page, is_dark):
     page = open_page()
     if is_dark:
-        click_at_once(page.page.get_by_label("Dark theme"))
-        page.page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+        page.set_dark(True)
     for tab in TABS:
         page.tab(tab)
         # Folders lie in folders.
@@ -64,6 +74,7 @@ def test_nothing_on_any_tab_keeps_anybody_out(open_page, is_dark):
         assert faults(page) == [], tab
         size, words = page.page.evaluate(_SMALLEST_TEXT)
         assert size >= 10.99, (tab, words)
+        assert page.page.evaluate(_SAID_TWICE) == [], tab
     page.hotkey("h")
     page.by_id("help").wait_for()
     # The card comes in by and by: until then its letters are pale.

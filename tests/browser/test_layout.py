@@ -2,8 +2,6 @@
 
 import pytest
 
-from tests.browser.inspector_page import click_at_once
-
 TABS = ("Scan", "Tune", "Steps", "Checks", "Findings", "Look", "Export")
 _FAULTS = """() => {
     const panel = document.querySelector('[data-testid=scan]').getBoundingClientRect();
@@ -76,8 +74,7 @@ def test_nothing_overlaps_in_a_small_window(page):
     page.click_row(3)
     page.await_selection(3)
     check(page)
-    click_at_once(page.page.get_by_label("Dark theme"))
-    page.page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+    page.set_dark(True)
     check(page)
 
 

@@ -264,6 +264,5 @@ def test_the_tab_fits_light_and_dark_with_everything_open(open_page, size):
     page.tab("Export")
     wide, room = page.by_id("readings").evaluate("(element) => [element.scrollWidth, element.clientWidth]")
     assert wide <= room
-    click_at_once(page.page.get_by_label("Dark theme"))
-    page.page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+    page.set_dark(True)
     check_layout(page)

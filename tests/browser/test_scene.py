@@ -140,8 +140,7 @@ def test_the_dark_theme_is_dark(page):
 
     assert background() > 220
     light = page.still_picture()
-    page.page.get_by_label("Dark theme").click()
-    page.page.wait_for_function("() => document.documentElement.dataset.mantineColorScheme === 'dark'")
+    page.set_dark(True)
     assert background() < 80
     dark = page.still_picture(unlike=light)
     assert light[-5, 5].min() > 220

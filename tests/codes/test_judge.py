@@ -717,7 +717,7 @@ def test_a_nosing_of_open_risers_is_not_found_within():
     nosing = dataclasses.replace(NOSING, from_scan="partly", severity="advisory", applies="stairs with solid risers")
     found = judged(inspection_of(even(going=0.26, nosing_overhang=0.025)), nosing).findings[0]
     assert found.verdict is Verdict.REPORTED
-    assert found.reason == "inside the limit; applies to stairs with solid risers, which the scan does not tell"
+    assert found.reason == "inside the limit, where the clause applies: stairs with solid risers"
     short = judged(inspection_of(even(going=0.26, nosing_overhang=0.0)), nosing)
     assert short.findings[0].verdict is Verdict.OUTSIDE
     assert not short.is_outside

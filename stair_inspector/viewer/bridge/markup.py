@@ -141,9 +141,17 @@ def button_in_row(script: str) -> str:
     return press_attribute(f"event.stopPropagation();{script}")
 
 
-def scroll_attribute(testid: str) -> str:
-    """Return the attribute of a button that shows what has this ``data-testid``, wherever on the page it stands."""
-    return press_attribute(f"document.querySelector('[data-testid={testid}]').scrollIntoView({{block:'center'}})")
+_UNFOLD_MS = 250
+"""A folder takes so long to open."""
+
+
+def unfold_attribute(testid: str) -> str:
+    """Return the attribute of a button that opens the folder of what has this ``data-testid``, and shows it."""
+    return press_attribute(
+        f"const e=document.querySelector('[data-testid={testid}]');"
+        "const h=e.closest('.mantine-Paper-root')?.querySelector(':scope>.mantine-Paper-root[aria-expanded=false]');"
+        f"h?.click();setTimeout(()=>e.scrollIntoView({{block:'center'}}),h?{_UNFOLD_MS}:0)"
+    )
 
 
 def set_script(control_uuid: str, value: str | bool) -> str:

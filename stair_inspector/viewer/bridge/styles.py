@@ -7,6 +7,7 @@ READABLE = (
     "[data-dock-tab][role=tab]{opacity:1!important}"
     ".mantine-Slider-markLabel{font-size:11px!important;color:var(--mantine-color-dimmed)!important}"
     ".mantine-Notification-description{color:var(--mantine-color-dimmed)!important}"
+    "details[open]>summary{white-space:normal!important}"
     "[role=button]:focus-visible,[data-step]:focus-visible"
     "{outline:2px solid var(--mantine-primary-color-filled)}</style>"
 )

@@ -12,7 +12,8 @@ from stair_inspector.viewer.scene.step_marks import tone_css
 CURE = "cure"
 """Word before the key of the list of cures and the number of one of them."""
 _MOST = 3
-"""Lines above the tabs, where they take room from all of them; the Scan tab has every one."""
+"""Lines above the tabs, where they take room from all of them; the Scan tab has the others."""
+_LINE = "white-space:nowrap;overflow:hidden;text-overflow:ellipsis"
 _SIGNS = {"question": "?", "doubt": "▲", "info": "i"}
 _COLORS = {"question": tone_css("bad"), "doubt": tone_css("close"), "info": DIM}
 _GROUNDS = {"question": "rgba(224,49,49,.12)", "doubt": "rgba(232,137,12,.14)", "info": "none"}
@@ -26,7 +27,7 @@ def offered_cures(inspection: Inspection | None) -> tuple[Cure, ...]:
 
 
 def headline_html(inspection: Inspection | None, pick_uuid: str) -> str:
-    """Return what stands above the tabs: questions in full with their answers, the rest on a line each.
+    """Return what stands above the tabs: questions in full with their answers, the rest on a line each that opens.
 
     Parameters
     ----------
@@ -37,8 +38,7 @@ def headline_html(inspection: Inspection | None, pick_uuid: str) -> str:
     """
     if inspection is None or not inspection.examination:
         return ""
-    found = examined(inspection)
-    shown = max(_MOST, len(inspection.questions))
+    found, shown = examined(inspection), _n_above(inspection)
     rows = [_row(each, inspection, pick_uuid, is_full=each.level == "question") for each in found[:shown]]
     if len(found) > shown:
         rows.append(f'<div style="color:{DIM}">and {len(found) - shown} more on the Scan tab</div>')
@@ -46,11 +46,17 @@ def headline_html(inspection: Inspection | None, pick_uuid: str) -> str:
 
 
 def examination_html(inspection: Inspection | None, pick_uuid: str) -> str:
-    """Return what the Scan tab begins with: everything that was found about the scan, each with its cure."""
-    if inspection is None or not inspection.examination:
+    """Return what the Scan tab begins with: what was found about the scan and is not above the tabs, with its cure."""
+    below = () if inspection is None else examined(inspection)[_n_above(inspection) :]
+    if inspection is None or not below:
         return ""
-    rows = [_row(each, inspection, pick_uuid, is_full=True) for each in examined(inspection)]
+    rows = [_row(each, inspection, pick_uuid, is_full=True) for each in below]
     return _block("scan-examination", rows, "2px 9px 8px")
+
+
+def _n_above(inspection: Inspection) -> int:
+    """Return how many of what was found stand above the tabs."""
+    return max(_MOST, len(inspection.questions))
 
 
 def _block(name: str, rows: Sequence[str], padding: str) -> str:
@@ -64,19 +70,21 @@ def _row(found: Observation, inspection: Inspection, pick_uuid: str, *, is_full:
     words = on_page(found.message)
     cures = cures_of(found)
     said = "" if found.cure.startswith("--") and cures else on_page(found.cure)
-    one_line = "" if is_full else "white-space:nowrap;overflow:hidden;text-overflow:ellipsis;"
-    hint = "" if is_full else f' title="{text("; ".join(part for part in (words, said) if part))}"'
-    more = f'<div style="color:{DIM}">{text(said[:1].upper() + said[1:])}</div>' if said and is_full else ""
+    said = said[:1].upper() + said[1:]
+    more = f'<div style="color:{DIM}">{text(said)}</div>' if said else ""
     buttons = _buttons(cures, inspection, pick_uuid, is_answer=found.level == "question")
     withheld = ""
     if found.level == "question" and inspection.is_withheld:
         withheld = "<div>No value is given and nothing is judged before this is answered:</div>"
-    return (
-        f'<div data-testid="observation" data-level="{found.level}" data-code="{text(found.code)}"{hint} '
-        f'style="background:{_GROUNDS[found.level]};border-left:3px solid {_COLORS[found.level]};border-radius:3px;'
-        f'padding:2px 6px;margin:2px 0;{one_line}">'
+    named = (
         f'<b style="color:{_COLORS[found.level]}"><span aria-hidden="true">{_SIGNS[found.level]}</span> '
-        f"{found.level}</b> {text(words)}{more}{withheld}{buttons}</div>"
+        f"{found.level}</b> {text(words)}"
+    )
+    told = f"{named}{more}" if is_full else f'<details><summary style="{_LINE}">{named}</summary>{more}</details>'
+    return (
+        f'<div data-testid="observation" data-level="{found.level}" data-code="{text(found.code)}" '
+        f'style="background:{_GROUNDS[found.level]};border-left:3px solid {_COLORS[found.level]};border-radius:3px;'
+        f'padding:2px 6px;margin:2px 0">{told}{withheld}{buttons}</div>'
     )
 
 

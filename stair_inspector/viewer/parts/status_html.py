@@ -6,7 +6,7 @@ and dark both read well.
 
 from stair_inspector.content.remarks import n_to_look_at, on_page
 from stair_inspector.model import Inspection
-from stair_inspector.viewer.bridge.markup import DIM, LINE, press_attribute, scroll_attribute, set_script, text
+from stair_inspector.viewer.bridge.markup import DIM, LINE, press_attribute, set_script, text, unfold_attribute
 from stair_inspector.viewer.bridge.styles import DIMMED_RESULTS, NARROW_TABS
 from stair_inspector.viewer.scene.step_marks import TONE_CSS
 
@@ -127,8 +127,8 @@ def _notes_link(inspection: Inspection) -> str:
         "color:var(--mantine-color-text);background:rgba(232,137,12,.28);font-weight:600" if n_look else "color:inherit"
     )
     return (
-        ' · <button type="button" data-testid="notes-link" title="Go to the notes, below" '
-        f"{scroll_attribute('notes')} "
+        ' · <button type="button" data-testid="notes-link" title="Open the notes, below" '
+        f"{unfold_attribute('notes')} "
         f'style="border:0;background:none;cursor:pointer;font:inherit;padding:0 4px;border-radius:3px;{style}">'
         f"{'▲ ' if n_look else ''}{words}</button>"
     )

@@ -38,19 +38,20 @@ def test_nothing_is_shown_of_a_sound_scan_or_of_none(show):
     assert show(of(), "id") == ""
 
 
-@pytest.mark.parametrize("show", [headline_html, examination_html])
-def test_what_was_found_is_told_by_sign_and_word_the_question_first(show):
-    source = show(of(DOUBT, ASKED), "id")
+def test_what_was_found_is_told_by_sign_and_word_the_question_first():
+    source = headline_html(of(DOUBT, ASKED), "id")
     assert rows(source) == [("question", "up_unsure"), ("doubt", "rounded")]
     words = Page(source).words
     assert words.index("? question") < words.index("two ways") < words.index("▲ doubt") < words.index("a step of 1 mm")
     assert "No value is given and nothing is judged before this is answered" in words
 
 
-def test_the_tab_has_all_in_full_and_the_headline_the_gravest():
+def test_the_headline_has_the_gravest_on_lines_that_open_and_the_tab_the_others():
     inspection = of(INFO, DOUBT, SPARSE, dataclasses.replace(INFO, code="second"))
-    assert len(rows(examination_html(inspection, "id"))) == 4
-    assert "Export with more decimals" in Page(examination_html(inspection, "id")).words
+    assert rows(examination_html(inspection, "id")) == [("info", "second")]
+    assert "Export with more decimals" in Page(headline_html(inspection, "id")).words
+    assert len(Page(headline_html(inspection, "id")).of("details")) == 3
+    assert examination_html(of(INFO, DOUBT), "id") == ""
     assert rows(headline_html(inspection, "id")) == [("doubt", "rounded"), ("doubt", "sparse"), ("info", "lattice")]
     assert "and 1 more on the Scan tab" in Page(headline_html(inspection, "id")).words
 
@@ -91,7 +92,8 @@ def test_a_press_takes_the_settings_and_a_late_one_is_refused():
 @pytest.mark.parametrize("level", ["question", "doubt", "info"])
 def test_texts_of_a_scan_are_never_markup(show, level):
     hostile = Observation(HOSTILE, level, HOSTILE, None, HOSTILE)
-    assert Page(show(of(hostile), "id")).of("img") == []
+    source = show(of(*(4 * [hostile])), "id")
+    assert ("observation" in source, Page(source).of("img")) == (show is headline_html or level != "question", [])
 
 
 def test_a_withheld_table_and_its_note_say_what_is_missing_without_flags():

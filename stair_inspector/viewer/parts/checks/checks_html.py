@@ -119,10 +119,13 @@ def _rule_rows(
     if not kind and check.rule_set.is_reported_in_file(rule.rule_id):
         kind = "reported only in the file, judged against the user's limit"
     kind = f' <span style="color:{DIM}">({kind})</span>' if kind else ""
-    applies = f'<div style="color:{DIM}">for {text(rule.applies)}</div>' if rule.applies else ""
+    is_said = rule.applies in worst.reason
+    applies = "" if not rule.applies or is_said else f'<div style="color:{DIM}">for {text(rule.applies)}</div>'
     hint = f' title="{text(rule.note)}"' if rule.note else ""
     click = row_attributes(pick_script(pick_uuid, number, RULE), has_buttons=True)
-    found = f"<div>{_value_html(worst, pick_uuid, unit)}</div>{_fit_html(rule, fit, unit)}"
+    # Opened, all values are listed below.
+    value = "" if is_open else f"<div>{_value_html(worst, pick_uuid, unit)}</div>"
+    found = f"{value}{_fit_html(rule, fit, unit)}"
     return (
         f'<tr data-testid="rule-row" data-rule="{text(rule.rule_id)}" data-verdict="{worst.verdict.value}" '
         f'aria-expanded="{"true" if is_open else "false"}" '

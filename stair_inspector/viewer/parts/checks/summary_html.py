@@ -85,7 +85,6 @@ def _origin(rules: RuleSet) -> str:
     # Of a user's own file the words say that it is one.
     edited = f"edited by the user: {edited}" if rules.is_shipped else edited
     parts = [
-        f"<b>{text(rules.title)}</b>",
         f'<span title="SHA-256 {text(rules.sha256)}">{text(rules.file or "no file")}, '
         f"SHA-256 {text(rules.sha256[:12])}…</span>",
         *(f"overlay {text(_without_hash(words))}" for words in rules.overlays),

@@ -204,7 +204,7 @@ class FindingForm:
         if self._place is not None:
             return f"({', '.join(f'{value:.3f}' for value in self._place)}) m"
         step_id = self._desk.selected
-        return "no place yet: choose a step or pick a point" if step_id is None else f"step {step_id}"
+        return "no place yet" if step_id is None else f"step {step_id}"
 
     def _who(self) -> str:
         return str(self.who.value).strip() or self._editor.work.basis.fields.inspector[:100]

@@ -301,7 +301,7 @@ def test_a_scene_without_a_height_stops_nothing(page, session):
 
 def test_buttons_show_which_of_them_is_on(page, session):
     measure, frame = part_of(session, "look").measure, part_of(session, "frame")
-    unit, docked = part_of(session, "page_settings")._unit, part_of(session, "docked")
+    docked = part_of(session, "docked")
 
     def filled(choice):
         return int(choice._mark.content.partition("nth-child(")[2].partition(")")[0]) - 1
@@ -310,14 +310,14 @@ def test_buttons_show_which_of_them_is_on(page, session):
         parts = html.content.split("<button")[1:]
         return [part.partition("</button>")[0].rpartition(">")[2] for part in parts if 'aria-pressed="true"' in part]
 
-    assert [filled(measure._mode), filled(unit), pressed(docked.html)] == [0, 0, ["Survey"]]
+    assert [filled(measure._mode), pressed(docked.html)] == [0, ["Survey"]]
     assert pressed() == ["Segmented", "mm"]
     measure.next_mode()
     session.look.choose_mode("Raw")
     session.desk.set_unit("in")
     docked.set_view("Paper")
     part_of(session, "look").section.set_direction("Across")
-    assert [filled(measure._mode), filled(unit), pressed(docked.html)] == [1, 1, ["Paper"]]
+    assert [filled(measure._mode), pressed(docked.html)] == [1, ["Paper"]]
     assert [filled(part_of(session, "look").views._mode), filled(part_of(session, "look").section._cut)] == [0, 1]
     assert pressed() == ["Raw", "in"]
     assert frame.toolbar.content.count('aria-pressed="false"') == 4

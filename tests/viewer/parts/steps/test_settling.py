@@ -36,7 +36,7 @@ def looked(monkeypatch):
 def test_a_mark_is_in_the_table_on_the_card_and_among_the_notes_and_goes_with_the_next_result(looked, page):
     session = page.session
     before = session.desk.shown
-    await_that(lambda: "hangs on the settings" in part_of(session, "page_settings").notes.content, "nothing is marked")
+    await_that(lambda: "hangs on the settings" in part_of(session, "foot").notes.content, "nothing is marked")
     assert session.desk.shown is before
     plain = table_html(session.desk.inspection, session.desk.palette, None, "pick", "survey")
     assert "unsettled" not in plain
@@ -47,7 +47,7 @@ def test_a_mark_is_in_the_table_on_the_card_and_among_the_notes_and_goes_with_th
     assert "hangs on the settings" in part_of(session, "steps").card.content
     assert "▲" in part_of(session, "frame").state.content
     slide(page, "horizontal.theta_deg", 20.0)
-    assert "hangs on the settings" not in part_of(session, "page_settings").notes.content
+    assert "hangs on the settings" not in part_of(session, "foot").notes.content
     await_that(lambda: len(looked) == 2, "the next result is not looked into")
     assert session.desk.unsettled == ()
 
@@ -82,5 +82,5 @@ def test_what_was_given_up_for_a_run_that_came_to_nothing_is_looked_into_again(l
     busy = iter([True, True])
     part_of(session, "steps").settling._is_busy = lambda: next(busy, False)
     part_of(session, "steps").settling.renew()
-    await_that(lambda: "hangs on the settings" in part_of(session, "page_settings").notes.content, "nothing is marked")
+    await_that(lambda: "hangs on the settings" in part_of(session, "foot").notes.content, "nothing is marked")
     assert next(busy, None) is None

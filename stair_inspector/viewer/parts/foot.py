@@ -1,50 +1,31 @@
-"""What stands below the tabs: the notes on the result, its details, and how the page itself is shown."""
+"""What stands below the tabs: a folder with the notes on the result and its details; the keys of the whole page."""
 
-import viser
-
-from stair_inspector.units import UNITS
 from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.parts.details_html import details_html, notes_html
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.state.change import PageChange
 
+NOTES = "Notes and details"
+"""Name of the folder."""
 
-class PageSettings(PagePart):
+
+class Foot(PagePart):
     """The foot of the panel."""
 
-    depends_on = frozenset({PageChange.RESULT, PageChange.SETTLED, PageChange.UNIT, PageChange.THEME})
+    depends_on = frozenset({PageChange.RESULT, PageChange.SETTLED})
 
     def __init__(self, context: Context) -> None:
         self._context = context
-        self._desk = desk = context.desk
+        self._desk = context.desk
         widgets = context.widgets
-        self.notes = widgets.html()
-        with widgets.folder("Details", is_open=False):
+        with widgets.folder(NOTES, is_open=False):
+            self.notes = widgets.html()
             self.details = widgets.html()
-        self._unit = widgets.choice(
-            "Lengths in",
-            UNITS,
-            UNITS[0],
-            desk.set_unit,
-            hint="On this page only; files are in metres and millimetres. Key U.",
-        )
-        self._dark = widgets.checkbox("Dark theme", hint="Key T.", on_change=desk.set_theme)
-        widgets.button(
-            "Keys and help",
-            self._switch_help,
-            icon=viser.Icon.KEYBOARD,
-            is_quiet=True,
-            hint="Key H; Ctrl+K searches all commands.",
-        )
 
     def show(self, what: frozenset[PageChange]) -> None:
-        """Show the notes and details of the result, and how the page is shown."""
-        desk = self._desk
-        if what & {PageChange.RESULT, PageChange.SETTLED}:
-            self.notes.content = notes_html(desk.marked)
-            self.details.content = details_html(desk.marked)
-        self._unit.show(desk.unit)
-        self._dark.value = desk.is_dark
+        """Show the notes and details of the result."""
+        self.notes.content = notes_html(self._desk.marked)
+        self.details.content = details_html(self._desk.marked)
 
     def put_away(self) -> bool:
         """Close the help card."""
