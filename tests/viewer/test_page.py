@@ -406,6 +406,30 @@ def test_the_next_server_opens_the_scan_that_was_open(serve):
     assert WirePage(serve(), {**page.storage, "stair_inspector.browser": "x"}).session.keeper.label == "stair.ply"
 
 
+def test_settings_as_last_time_are_those_that_the_last_session_left_the_scan_with(serve):
+    app = serve()
+    page = WirePage(app)
+    page.await_result("stair.ply")
+    presets = part_of(page.session, "tune").presets
+    with pytest.raises(ConfigError, match="no saved work of an earlier session on stair"):
+        presets.take_settings("As last time")
+    page.session.editor.adjust(lambda params: params.replaced("levels.eps_m", 0.03))
+    leave(app, page)
+    page = WirePage(serve())
+    page.await_result("stair.ply")
+    session, presets = page.session, part_of(page.session, "tune").presets
+    presets.take_settings("As suggested")
+    suggested = session.editor.work.params
+    assert suggested.levels.eps_m != 0.03
+    assert "<li" in presets.suggestion.content
+    session.editor.adjust(lambda params: params.replaced("overrules.climb", "x"))
+    presets.take_settings("As last time")
+    assert session.editor.work.params.levels.eps_m == 0.03
+    assert session.editor.work.params.overrules.climb == "x"
+    with pytest.raises(ConfigError, match="settings: got 'else'"):
+        presets.take_settings("else")
+
+
 def test_a_preset_that_the_menu_could_not_tell_from_its_own_words_is_refused(serve):
     session = WirePage(serve()).session
     before = session.editor.work

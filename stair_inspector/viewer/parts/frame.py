@@ -12,6 +12,7 @@ from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_ht
 from stair_inspector.viewer.bridge.shortcuts import keys_html
 from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR, PHONE, READABLE
 from stair_inspector.viewer.bridge.two_views import Arrangement, two_views_html
+from stair_inspector.viewer.parts.came_along import CameAlong
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import headline_html
 from stair_inspector.viewer.parts.part import Context, PagePart
@@ -49,6 +50,7 @@ class Frame(PagePart):
         self.header = widgets.html()
         self.state = widgets.html()
         self.examination = widgets.html()
+        self._came_along = CameAlong(context)
         # The button on the line of the state writes here.
         self._cancel = widgets.button("Cancel", context.cancel, is_visible=False)
         self._run = widgets.button(
@@ -70,6 +72,8 @@ class Frame(PagePart):
             self.examination.content = headline_html(desk.marked, self._cures.uuid)
         if what & {PageChange.RESULT, PageChange.SETTLED, PageChange.STATUS}:
             self._show_state()
+        if what & {PageChange.RESULT, PageChange.WORK, PageChange.SCAN}:
+            self._came_along.show()
         if what - {PageChange.STATUS, PageChange.SETTLED}:
             self._show_legend()
             self._show_toolbar()

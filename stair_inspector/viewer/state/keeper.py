@@ -13,6 +13,7 @@ from stair_inspector.content.pin_values import pinned_to_dict
 from stair_inspector.errors import StairError, WriteError
 from stair_inspector.files.project_files import save_project
 from stair_inspector.files.projects import Project
+from stair_inspector.params import Params
 from stair_inspector.viewer.compute.threads import Settle
 from stair_inspector.viewer.state.history import History
 from stair_inspector.viewer.state.library import Library, state_of
@@ -67,6 +68,11 @@ class Keeper:
         return self._bench.scan
 
     @property
+    def last(self) -> Params | None:
+        """The settings that the present scan's saved work had when it was taken up; None where there was none."""
+        return self._bench.last
+
+    @property
     def error(self) -> str:
         """Why the present scan's project could not be saved when that was last tried; empty if it could."""
         return self._bench.error
@@ -89,7 +95,9 @@ class Keeper:
     def begin(self, label: str, scan: Path, work: Work, path: Path | None, sha256: str = "") -> None:
         """Open a scan: its work begins here, or goes on where it was done on bytes of that SHA-256."""
         state = state_of(path) if path is not None else ""
-        self._benches[label] = Bench(scan, History(work), path, state, sha256, is_from_file=bool(sha256))
+        is_saved = bool(sha256)
+        last = work.params if is_saved else None
+        self._benches[label] = Bench(scan, History(work), path, state, sha256, is_from_file=is_saved, last=last)
         self.label = label
 
     def take_up(self, wish: Wish) -> None:
@@ -123,6 +131,8 @@ class Keeper:
             bench = self._benches[label]
             self._library.release_project(bench.path)
             bench.path, bench.state = path, state_of(path) if path is not None else ""
+            # Work that is there already was saved by an earlier session.
+            bench.last = work.params if path is not None and not is_changed else None
             bench.history.push(work, words)
             bench.is_changed = is_changed
 

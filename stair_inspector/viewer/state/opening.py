@@ -14,7 +14,7 @@ from stair_inspector.viewer.bridge.widgets import File
 from stair_inspector.viewer.state.keeper import Keeper
 from stair_inspector.viewer.state.library import Library
 from stair_inspector.viewer.state.wishes import KeptWishes, OpenPage, Wish
-from stair_inspector.viewer.state.work import Work, work_beside, work_of
+from stair_inspector.viewer.state.work import Arrival, Work, work_beside, work_of
 
 _BROWSER_KEY = "stair_inspector.browser"
 _SCAN_KEY = "stair_inspector.scan"
@@ -52,6 +52,8 @@ class Opening:
         # Whether nobody has asked for the scan that is open, and why files could not be read when last tried.
         self._is_first = False
         self.unreadable: Mapping[str, ReadError] = {}
+        # What came along to the scan that is open, until it is kept or changed.
+        self.came_along: Arrival | None = None
 
     def restore(self) -> None:
         """Take up what a page of this browser, now closed, was at; or open the scan it had last, or the first."""
@@ -89,11 +91,14 @@ class Opening:
         keeper = self._keeper
         if label == keeper.label:
             return False
-        self._is_first = False
+        self._is_first, self.came_along = False, None
         if keeper.has(label):
             self._controls.load(keeper.turn_to(label).params)
         else:
+            source = keeper.label
             self._open(label, work_beside(keeper.work, self._started))
+            if keeper.last is None:
+                self.came_along = Arrival(source, keeper.work.params)
         if label not in self._uploads:
             self._client.local_storage.set_item(_SCAN_KEY, label)
         return True

@@ -55,6 +55,14 @@ def work_beside(work: Work, started: Work) -> Work:
     return Work(params, rules=dataclasses.replace(work.rules, edits=(), left=()), basis=basis)
 
 
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A scan that was opened without saved work: which was open before, and the settings that it began with."""
+
+    source: str
+    params: Params
+
+
 class Changes(TypedDict, total=False):
     """Fields of :class:`Work` that are to be other ones."""
 
@@ -75,7 +83,8 @@ class Bench:
     ``scan`` is its file and ``sha256`` that of the bytes which the work was done on, empty while unknown, and only what
     a saved project says while ``is_from_file``. ``path`` is where the project is saved, None for nowhere; ``state`` is
     what :func:`~stair_inspector.viewer.state.library.state_of` said of it when this page last read or wrote it.
-    ``error`` is the sentence of a save that failed, until one succeeds.
+    ``error`` is the sentence of a save that failed, until one succeeds. ``last`` are the settings that the saved work
+    had when it was taken up, None where there was none.
     """
 
     scan: Path
@@ -87,6 +96,7 @@ class Bench:
     is_changed: bool = False
     saved_at: datetime.datetime | None = None
     error: str = ""
+    last: Params | None = None
 
     def copy(self) -> "Bench":
         """Return the same state, which goes on by itself from here."""

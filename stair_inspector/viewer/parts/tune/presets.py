@@ -4,22 +4,24 @@ import dataclasses
 
 import viser
 
-from stair_inspector.errors import ConfigError, StairError
+from stair_inspector.errors import ConfigError, StairError, one_of
 from stair_inspector.files.settings import Preset, list_presets, parse_preset, preset_bytes
 from stair_inspector.model import HeightOrder
 from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pictures.picture import safe_name
-from stair_inspector.stages.suggest import Suggestion, suggest_settings
+from stair_inspector.stages.suggest import Suggestion
 from stair_inspector.viewer.bridge.controls import value_words
 from stair_inspector.viewer.bridge.markup import DIM, text
 from stair_inspector.viewer.bridge.widgets import File, offer
 from stair_inspector.viewer.parts.part import Context
+from stair_inspector.viewer.parts.scan_settings import ScanSettings, of_scan
 from stair_inspector.viewer.scene.step_marks import tone_css
 
 OWN_PRESET = "(changed)"
 """What the preset menu says when the settings are those of no preset."""
 STARTED_WITH = "as started"
 """In the preset menu, the settings that the server was started with, where they are those of no preset."""
+_LAST, _SUGGESTED = _OWN = ("As last time", "As suggested")
 _MOST_PRESETS = 20
 _LARGEST_PRESET_BYTES = 200_000
 
@@ -29,9 +31,9 @@ class Presets:
 
     def __init__(self, context: Context) -> None:
         self._widgets = context.widgets
-        self._making = context.making
         self._desk = context.desk
         self._editor = context.editor
+        self._settings = ScanSettings(context)
         self._presets = known_presets(context.editor.started)
         self._suggestion: Suggestion | None = None
         self._heights: HeightOrder | None = None
@@ -40,6 +42,12 @@ class Presets:
             tuple(self._presets),
             hint="Settings for a kind of scanner. Overrules stay.",
             on_change=self.take_preset,
+        )
+        context.widgets.buttons(
+            "Settings",
+            _OWN,
+            self.take_settings,
+            hint="What the last session left this scan with, or what Suggest settings proposes for it.",
         )
 
     def add_suggestion(self) -> None:
@@ -90,7 +98,7 @@ class Presets:
             if title == self.menu.value and title not in self._presets:
                 return
             raise ConfigError(f"preset: got {str(title)[:40]!r}; choose one of the menu")
-        self._editor.adjust(lambda params: _of_scan(params, preset), f"preset {title}")
+        self._editor.adjust(lambda params: of_scan(params, preset), f"preset {title}")
 
     def save_preset(self) -> None:
         """Download the present settings as a preset file, without what belongs to this scan alone."""
@@ -110,12 +118,12 @@ class Presets:
             raise ConfigError(f"preset: this page has {_MOST_PRESETS}, which is the most; load the page again")
         self._presets[preset.title] = preset.params
         self.show_preset()
-        self._editor.adjust(lambda params: _of_scan(params, preset.params), f"preset {preset.title}")
+        self._editor.adjust(lambda params: of_scan(params, preset.params), f"preset {preset.title}")
 
     def show_preset(self) -> None:
         """Show which preset's settings are set."""
         params = self._editor.work.params
-        chosen = next((title for title, preset in self._presets.items() if _of_scan(params, preset) == params), None)
+        chosen = next((title for title, preset in self._presets.items() if of_scan(params, preset) == params), None)
         offered = tuple(self._presets) if chosen is not None else (*self._presets, OWN_PRESET)
         offer(self.menu, offered, chosen or OWN_PRESET)
 
@@ -135,14 +143,8 @@ class Presets:
 
     def suggest(self) -> None:
         """Propose settings and say why."""
-        self._desk.result("suggest settings")
-        heights = self._heights
-        if heights is None:
-            raise ConfigError("suggest settings: the scan is not prepared yet; wait for the first result")
         try:
-            self._suggestion = self._making.make(
-                "the suggestion", lambda _: suggest_settings(heights, self._editor.work.params)
-            )
+            self._suggestion = self._settings.suggest()
         except StairError as error:
             self._show(_suggestion_html(None, str(error)), is_there=False)
         else:
@@ -152,14 +154,18 @@ class Presets:
         """Use what was proposed."""
         if self._suggestion is None:
             raise ConfigError("suggest settings: there is no suggestion; ask for one first")
-        suggestion = self._suggestion
+        self._settings.take_suggested(self._suggestion)
 
-        def take(params: Params) -> Params:
-            for reason in suggestion.reasons:
-                params = params.replaced(reason.name, suggestion.params.value(reason.name))
-            return params
-
-        self._editor.adjust(take, "suggested settings")
+    def take_settings(self, option: str) -> None:
+        """Use the settings of the scan's last session, or those that are suggested for it."""
+        one_of(option, _OWN, "settings")
+        if option == _LAST:
+            self._settings.take_last()
+            return
+        self.suggest()
+        if self._suggestion is None:
+            raise ConfigError("as suggested: nothing can be suggested; Suggest settings, below, says why")
+        self.take_suggestion()
 
 
 def known_presets(started: Params) -> dict[str, Params]:
@@ -170,11 +176,6 @@ def known_presets(started: Params) -> dict[str, Params]:
         return {STARTED_WITH: started, **by_title}
     first = next(title for title, params in by_title.items() if params == started)
     return {first: started, **by_title}
-
-
-def _of_scan(params: Params, preset: Params) -> Params:
-    """Return a preset's settings with what belongs to the scan and not to a kind of scanner."""
-    return dataclasses.replace(preset, overrules=params.overrules, up=params.up, **params.reading._asdict())
 
 
 def _suggestion_html(suggestion: Suggestion | None, why_not: str) -> str:

@@ -159,7 +159,7 @@ def test_the_making_of_a_file_and_a_run_share_the_line_and_neither_wipes_the_oth
 
 def test_a_suggestion_and_a_debug_ply_can_be_cancelled(session, files, monkeypatch):
     for name, ask in (
-        ("stair_inspector.viewer.parts.tune.presets.suggest_settings", part_of(session, "tune").presets.suggest),
+        ("stair_inspector.viewer.parts.scan_settings.suggest_settings", part_of(session, "tune").presets.suggest),
         (
             "stair_inspector.viewer.parts.export.files.debug_ply_bytes",
             lambda: part_of(session, "export").downloads.download("Debug PLY"),
