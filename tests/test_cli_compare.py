@@ -50,3 +50,25 @@ def test_a_missing_scan_is_exit_code_3_and_wrong_usage_2(run, scans, tmp_path): 
     (tmp_path / "file").write_text("")
     given = ("compare", scans / "earlier.ply", scans / "later.ply", "-o", tmp_path / "file")
     assert "is a file, not a folder" in refusal(run, *given)
+
+
+def test_a_report_has_a_page_on_what_changed(run, scans, tmp_path, monkeypatch):  # noqa: F811
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    (tmp_path / "fields.toml").write_text('[fields]\nclient = "The Client"\n')
+    code, out, err = run(
+        "compare", scans / "earlier.ply", scans / "later.ply", *GIVEN, "-o", tmp_path, "--report",
+        "--fields", tmp_path / "fields.toml",
+    )  # fmt: skip
+    assert (code, err) == (0, "")
+    made = [tmp_path / f"earlier_later_report{suffix}" for suffix in (".pdf", ".html", ".xlsx")]
+    assert all(str(path) in out.splitlines()[-1] and path.exists() for path in made)
+    page = made[1].read_text()
+    assert "Changes between two scans" in page
+    assert "The Client" in page
+    assert 'id="change_1"' in page
+    assert "2023-11-14" in page
+
+
+def test_a_report_needs_a_folder(run, scans):  # noqa: F811
+    given = ("compare", scans / "earlier.ply", scans / "later.ply", "--full-report")
+    assert "compare: got --full-report without a folder; name one with -o" in refusal(run, *given)

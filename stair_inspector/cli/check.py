@@ -8,8 +8,9 @@ import tyro
 from typing_extensions import Doc
 
 from stair_inspector.cli import headless
-from stair_inspector.cli.arguments import check_folder, parse_arguments, preset_params
+from stair_inspector.cli.arguments import parse_arguments, preset_params
 from stair_inspector.cli.output import report_error, say
+from stair_inspector.cli.report_options import basis_asked_for, length_asked_for, report_folder, time_of_report
 from stair_inspector.errors import CannotMeasure, ConfigError
 
 if TYPE_CHECKING:
@@ -33,15 +34,10 @@ def run(args: list[str]) -> int:
     rules = headless.rules_of(args, options, "check", project)
     if rules is None:
         raise ConfigError("check: no rule set given; name one with --rules (see: stair-inspector rules)")
-    basis = headless.basis_asked_for(options, "check", project)
+    basis = basis_asked_for(options, "check", project, options.project)
     pinned = headless.pinned_in(options, project)
-    made_at = headless.time_of_report()
-    folder = Path(options.out) if options.out else None
-    if folder is not None:
-        check_folder(folder)
-    elif basis is not None:
-        flag = "--full-report" if options.full_report else "--report"
-        raise ConfigError(f"check: got {flag} without a folder; name one with -o")
+    made_at = time_of_report()
+    folder = report_folder(options, options.out, "check", basis)
     paths, worst = headless.paths_of(options, "check", project)
     if folder is not None:
         headless.check_stems(paths)
@@ -54,7 +50,7 @@ def run(args: list[str]) -> int:
         found = check(inspection, *rules)
         written = ""
         if folder is not None:
-            length = headless.length_asked_for(options)
+            length = length_asked_for(options)
             wrote = headless.write_results(
                 scan, inspection, folder, path, found, basis, made_at, length=length, pinned=pinned
             )

@@ -8,20 +8,28 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 from typing_extensions import Doc
 
-from stair_inspector.cli.arguments import CommonOptions, check_folder, parse_arguments, preset_params
+from stair_inspector.cli.arguments import CommonOptions, parse_arguments, preset_params
 from stair_inspector.cli.output import internal_words, report_error, say
+from stair_inspector.cli.report_options import (
+    ReportOptions,
+    basis_asked_for,
+    length_asked_for,
+    report_folder,
+    time_of_report,
+)
 from stair_inspector.errors import CannotMeasure, ConfigError, StairError
 
 if TYPE_CHECKING:
-    from stair_inspector.model import ScanComparison
+    from stair_inspector.model import Inspection, Scan, ScanComparison
     from stair_inspector.params import Params
 
 
 @dataclass(frozen=True)
-class CompareScans(CommonOptions):
+class CompareScans(ReportOptions, CommonOptions):
     """Lay a later scan of a stair onto an earlier one, on what did not move, and tell what changed beyond U.
 
-    Both are measured with the same settings, by survey.
+    Both are measured with the same settings, by survey. With --report the survey report of the later scan, whose STEM
+    is BEFORE_AFTER, has a page on what changed.
     """
 
     before: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="BEFORE"), Doc("The earlier scan.")] = (
@@ -40,17 +48,32 @@ def run(args: list[str]) -> int:
     options = parse_arguments(CompareScans, "compare", args, CompareScans(settings=preset_params(args)))
     if options.settings.method != "survey":
         raise ConfigError("compare: got --method paper, whose values have no uncertainty; use survey")
-    folder = Path(options.out) if options.out else None
-    if folder is not None:
-        check_folder(folder)
+    basis = basis_asked_for(options, "compare")
+    folder = report_folder(options, options.out, "compare", basis)
+    made_at = time_of_report()
     try:
-        found = _compare(options.before, options.after, options.settings)
+        found, scan, inspection = _compare(options.before, options.after, options.settings)
         from stair_inspector.writers.comparison import comparison_text, write_comparison
 
-        written = ""
+        paths: list[Path] = []
         if folder is not None:
-            paths = write_comparison(found, folder, options.before.stem, options.after.stem)
-            written = f"\n  wrote {', '.join(str(path) for path in paths)}"
+            stems = options.before.stem, options.after.stem
+            paths += write_comparison(found, folder, *stems)
+            if basis is not None:
+                from stair_inspector.model import ComparedScan
+                from stair_inspector.writers.report import write_report
+
+                paths += write_report(
+                    scan,
+                    inspection,
+                    folder,
+                    "_".join(stems),
+                    basis,
+                    made_at,
+                    length=length_asked_for(options),
+                    compared=ComparedScan(found, is_earlier=False),
+                )
+        written = f"\n  wrote {', '.join(str(path) for path in paths)}" if paths else ""
     except StairError as error:
         if options.debug:
             traceback.print_exc()
@@ -63,11 +86,12 @@ def run(args: list[str]) -> int:
     return 0
 
 
-def _compare(before: Path, after: Path, settings: "Params") -> "ScanComparison":
+def _compare(before: Path, after: Path, settings: "Params") -> "tuple[ScanComparison, Scan, Inspection]":
+    """Return what changed, and the later scan with its inspection."""
     from stair_inspector.comparison.compare import compare_scans
     from stair_inspector.files.scans import read_scan
     from stair_inspector.pipeline import inspect
 
     scans = [read_scan(path, *settings.reading) for path in (before, after)]
     one, two = ((scan, inspect(scan, settings)) for scan in scans)
-    return compare_scans(*one, *two)
+    return compare_scans(*one, *two), *two

@@ -1,10 +1,9 @@
 """What the commands share that measure without a browser: their options, which scans, which rules, what is written."""
 
-import os
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +12,7 @@ from typing_extensions import Doc
 
 from stair_inspector.cli.arguments import CommonOptions, value_of
 from stair_inspector.cli.output import internal_words, report_error
+from stair_inspector.cli.report_options import ReportOptions
 from stair_inspector.codes.findings import Decision
 from stair_inspector.errors import CannotMeasure, ConfigError, ReadError, StairError
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Headless(CommonOptions):
+class Headless(ReportOptions, CommonOptions):
     """Options of the commands that measure without a browser."""
 
     scans: Annotated[
@@ -53,28 +53,10 @@ class Headless(CommonOptions):
         Decision,
         Doc("guarded: a value nearer to its limit than its uncertainty is called close; simple: the value decides."),
     ] = "guarded"
-    report: Annotated[
-        tyro.conf.FlagCreatePairsOff[bool],
-        Doc(
-            "Write the survey report too: DIR/STEM_report.pdf, .html and .xlsx, STEM_plan.dxf and STEM_section.dxf; "
-            "it is dated now, or at the seconds since 1970 in the environment variable SOURCE_DATE_EPOCH."
-        ),
-    ] = False
-    full_report: Annotated[
-        tyro.conf.FlagCreatePairsOff[bool],
-        Doc(
-            "Write the report in full, some 14 pages, and not the short one of one page of result and two of evidence."
-        ),
-    ] = False
     stability: Annotated[
         tyro.conf.FlagCreatePairsOff[bool],
         Doc("Measure again one notch of theta_th, eps_z and m to each side, and note every value that moves beyond u."),
     ] = False
-    fields: Annotated[
-        str,
-        tyro.conf.arg(metavar="FILE.toml"),
-        Doc("What only the surveyor knows, for the report: names, dates, instrument, tape readings, logo."),
-    ] = ""
 
 
 def given_project(command: str, args: list[str]) -> "Project | None":
@@ -114,27 +96,6 @@ def rules_of(
     for name in options.overlay:
         rule_set = overlaid(rule_set, find_rule_set(name))
     return rule_set, decision
-
-
-def length_asked_for(options: Headless) -> "ReportLength":
-    """Return how long the report is."""
-    return "full" if options.full_report else "short"
-
-
-def basis_asked_for(options: Headless, command: str, project: "Project | None") -> "ReportBasis | None":
-    """Return what the report takes from the user; None where no report is wanted."""
-    if not (options.report or options.full_report):
-        if options.fields:
-            raise ConfigError(f"{command}: got --fields without --report; give both")
-        return None
-    from stair_inspector.content.basis_files import read_basis
-    from stair_inspector.content.fields import ReportBasis
-    from stair_inspector.content.project_basis import basis_of, titled
-
-    if project is None:
-        return read_basis(Path(options.fields)) if options.fields else ReportBasis()
-    basis = read_basis(Path(options.fields)) if options.fields else basis_of(project, options.project)
-    return titled(basis, project.title)
 
 
 def pinned_in(options: Headless, project: "Project | None") -> "PinnedFindings | None":
@@ -251,17 +212,6 @@ def write_results(
             scan, inspection, folder, path.stem, basis, made_at, found, length=length, pinned=pinned
         )
     return f"wrote {', '.join(str(file) for file in written)}"
-
-
-def time_of_report() -> datetime:
-    """Return when a report is made: now, or the time that reproducible builds state in ``SOURCE_DATE_EPOCH``."""
-    stated = os.environ.get("SOURCE_DATE_EPOCH", "")
-    if not stated:
-        return datetime.now().astimezone()
-    try:
-        return datetime.fromtimestamp(int(stated), UTC)
-    except (ValueError, OverflowError, OSError) as error:
-        raise ConfigError(f"SOURCE_DATE_EPOCH: got {stated[:60]!r}; give whole seconds since 1970") from error
 
 
 def _scan_beside(project: Path, name: str, command: str) -> Path:

@@ -10,6 +10,7 @@ from typing_extensions import Doc
 from stair_inspector.cli import headless
 from stair_inspector.cli.arguments import check_folder, parse_arguments, preset_params
 from stair_inspector.cli.output import say
+from stair_inspector.cli.report_options import basis_asked_for, length_asked_for, time_of_report
 from stair_inspector.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -46,9 +47,9 @@ def run(args: list[str]) -> int:
     start = MeasureScans(settings=preset_params(args) if project is None else project.params)
     measure = parse_arguments(MeasureScans, "measure", args, start)
     rules = headless.rules_of(args, measure, "measure", project)
-    basis = headless.basis_asked_for(measure, "measure", project)
+    basis = basis_asked_for(measure, "measure", project, measure.project)
     pinned = headless.pinned_in(measure, project)
-    made_at = headless.time_of_report()
+    made_at = time_of_report()
     check_folder(measure.out)
     paths, worst = headless.paths_of(measure, "measure", project)
     headless.check_stems(paths)
@@ -59,7 +60,7 @@ def run(args: list[str]) -> int:
         from stair_inspector.writers.text import inspection_text
 
         found = headless.checked(inspection, rules)
-        length = headless.length_asked_for(measure)
+        length = length_asked_for(measure)
         wrote = headless.write_results(
             scan, inspection, measure.out, path, found, basis, made_at, measure.segmented, pinned, length
         )

@@ -3,17 +3,19 @@
 import math
 from collections.abc import Sequence
 
-from stair_inspector.model import Measured, Note, ScanComparison, StepChange, ValueChange
+from stair_inspector.model import ComparedScan, Measured, Note, ScanComparison, StepChange, ValueChange
 from stair_inspector.quantities import quantity_of
 from stair_inspector.units import measured_text, shown
 
 _STAGE = "comparison"
+LAID_ON = "laid_on"
+"""Code of the note on what two scans were laid onto each other on."""
 
 
-def notes_on(found: ScanComparison) -> tuple[Note, ...]:
-    """Return what is to be told of a comparison, the gravest first."""
-    notes = [*_moved(found.steps), *_values(found.steps, are_tilts=True), *_worn(found.steps)]
-    notes += _values(found.steps, are_tilts=False)
+def notes_on(found: ScanComparison, *, is_earlier: bool = True) -> tuple[Note, ...]:
+    """Return what is to be told of a comparison, the gravest first, with the numbers of one of the scans."""
+    seen = ComparedScan(found, is_earlier)
+    notes = [*_moved(seen), *_values(seen, are_tilts=True), *_worn(seen), *_values(seen, are_tilts=False)]
     if not notes:
         notes.append(Note("no_change", _STAGE, "no value changed by more than its uncertainty and chance explain"))
     if found.floor.change is not None and found.floor.is_changed:
@@ -21,17 +23,25 @@ def notes_on(found: ScanComparison) -> tuple[Note, ...]:
         notes.append(Note("floor_moved", _STAGE, f"the floor lies {moved} against the steps that did not move"))
     for ids, which in ((found.only_before, "earlier"), (found.only_after, "later")):
         if ids:
-            notes.append(Note("unmatched", _STAGE, f"found in the {which} scan only: {_steps_text(ids)}"))
-    rests = _steps_text(found.alignment.steady_ids) if found.alignment.steady_ids else ""
-    on = " and ".join(words for words in ("the floor" if found.alignment.is_floor_steady else "", rests) if words)
+            notes.append(Note("unmatched", _STAGE, f"found in the {which} scan only: {steps_text(ids)}"))
     u = found.alignment.u_m
-    notes.append(Note("laid_on", _STAGE, f"laid onto each other on {on}; U of a height by that ≤ {1000.0 * u:.2f} mm"))
+    notes.append(
+        Note(LAID_ON, _STAGE, f"laid onto each other on {rests_on(seen)}; U of a height by that ≤ {1000.0 * u:.2f} mm")
+    )
     return tuple(notes)
 
 
-def _moved(steps: Sequence[StepChange]) -> list[Note]:
+def rests_on(seen: ComparedScan) -> str:
+    """Return what two scans were laid onto each other on: ``the floor and steps 1 to 5``."""
+    steady = [seen.number_of(step) for step in seen.found.steps if step.is_steady]
+    floor = ["the floor"] if seen.found.alignment.is_floor_steady else []
+    return " and ".join([*floor, *([steps_text(steady)] if steady else [])])
+
+
+def _moved(seen: ComparedScan) -> list[Note]:
     """Return a note for each run of steps that rose or settled alike; a tread that tilted is told as such."""
     runs: list[list[StepChange]] = []
+    steps = seen.found.steps
     for before, step in zip((None, *steps), steps, strict=False):
         if not step.height.is_changed:
             continue
@@ -46,9 +56,9 @@ def _moved(steps: Sequence[StepChange]) -> list[Note]:
         mean = math.fsum(change.value for change in changes) / len(changes)
         # The alignment is one error of all of them.
         whole = Measured(mean, max(change.u for change in changes))
-        ids = [step.before_id for step in run]
+        ids = [seen.number_of(step) for step in run]
         verb, as_one = ("lies", "") if len(run) == 1 else ("lie", ", as a whole")
-        notes.append(Note("height_changed", _STAGE, f"{_steps_text(ids)} {verb} {_way(whole)} than before{as_one}"))
+        notes.append(Note("height_changed", _STAGE, f"{steps_text(ids)} {verb} {_way(whole)} than before{as_one}"))
     return notes
 
 
@@ -67,10 +77,11 @@ def _is_tilt(value: ValueChange) -> bool:
     return quantity.unit == "deg" and quantity.rests_on == "tread"
 
 
-def _values(steps: Sequence[StepChange], *, are_tilts: bool) -> list[Note]:
+def _values(seen: ComparedScan, *, are_tilts: bool) -> list[Note]:
     """Return a note for each value that has changed: of the slopes of the treads, or of the others."""
     notes = []
-    for step in steps:
+    for step in seen.found.steps:
+        number = seen.number_of(step)
         for value in step.values:
             if not value.is_changed or value.change is None or _is_tilt(value) is not are_tilts:
                 continue
@@ -79,22 +90,22 @@ def _values(steps: Sequence[StepChange], *, are_tilts: bool) -> list[Note]:
                 if are_tilts
                 else shown(value.quantity, value.change.value, value.change.u)
             )
-            words = f"step {step.before_id}: {_name(value.quantity)} changed by {change}"
-            notes.append(Note("tilt_changed" if are_tilts else "value_changed", _STAGE, words, step.before_id))
+            words = f"step {number}: {_name(value.quantity)} changed by {change.replace('-', '−')}"
+            notes.append(Note("tilt_changed" if are_tilts else "value_changed", _STAGE, words, number))
     return notes
 
 
-def _worn(steps: Sequence[StepChange]) -> list[Note]:
+def _worn(seen: ComparedScan) -> list[Note]:
     notes = []
-    for step in steps:
-        found = step.deviations
+    for step in seen.found.steps:
+        number, found = seen.number_of(step), step.deviations
         if found is None or found.worst_m is None:
             continue
         rows = found.is_local.nonzero()[0]
         area_cm2 = 1e4 * found.cell_m**2 * len(rows)
         where = "along its nosing" if rows.mean() < 1.0 else "on its tread"
-        words = f"step {step.before_id}: {where} {area_cm2:.0f} cm² lie {_way(found.worst_m)} against the rest of it"
-        notes.append(Note("surface_changed", _STAGE, words, step.before_id))
+        words = f"step {number}: {where} {area_cm2:.0f} cm² lie {_way(found.worst_m)} against the rest of it"
+        notes.append(Note("surface_changed", _STAGE, words, number))
     return notes
 
 
@@ -108,7 +119,7 @@ def _way(change: Measured) -> str:
     return f"{measured_text(size, 'mm')} {'lower' if change.value < 0.0 else 'higher'}"
 
 
-def _steps_text(ids: Sequence[int]) -> str:
+def steps_text(ids: Sequence[int]) -> str:
     """Return steps by their numbers: ``step 3``, ``steps 1 to 5 and 8``."""
     runs: list[list[int]] = []
     for number in ids:

@@ -34,10 +34,11 @@ _GROUPED = 10_000
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """A number in a column whose rows have different decimals."""
+    """A number in a column whose rows have different decimals; ``mark`` is a sign that stands after it."""
 
     value: float
     digits: int
+    mark: str = ""
 
 
 Cell = str | float | int | Number | Status | None
@@ -52,7 +53,7 @@ class Column:
     ``digits`` is the number of decimals that are shown, None for texts. ``is_u`` marks the expanded uncertainty of the
     column before it, which is shown beside that column's value. ``is_difference`` leaves blank what is zero as shown.
     ``width`` is that of a text column relative to others; one of width 1 takes no more than its texts need where they
-    are short.
+    are short. ``is_signed`` numbers have a plus too.
     """
 
     name: str
@@ -61,6 +62,7 @@ class Column:
     is_u: bool = False
     is_difference: bool = False
     width: float = 1.0
+    is_signed: bool = False
 
     @property
     def is_number(self) -> bool:
@@ -81,14 +83,16 @@ class Column:
         if isinstance(cell, str):
             return cell
         value, digits = (cell.value, cell.digits) if isinstance(cell, Number) else (float(cell), self.digits or 0)
+        mark = f" {cell.mark}" if isinstance(cell, Number) and cell.mark else ""
         if self.is_u:
-            return u_text(value)
+            return u_text(value) + mark
         number = tidy(value, digits)
         if self.is_difference and not number:
             return ""
         is_grouped = not digits and abs(number) >= _GROUPED
         shown = f"{number:,.0f}".replace(",", "\N{NARROW NO-BREAK SPACE}") if is_grouped else f"{number:.{digits}f}"
-        return shown.replace("-", "−")
+        plus = "+" if self.is_signed and number > 0.0 else ""
+        return plus + shown.replace("-", "−") + mark
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,14 +4,13 @@ import dataclasses
 from collections.abc import Iterable
 from datetime import datetime
 
-from stair_inspector import __version__
 from stair_inspector.codes.findings import DECISIONS, Check
 from stair_inspector.content import cross_checks, grounds, rule_tables, tables, wording
+from stair_inspector.content.change_blocks import CHANGES, change_blocks
 from stair_inspector.content.document import (
     EMPTY,
     Block,
     Bullets,
-    Column,
     Document,
     Facts,
     Figure,
@@ -23,14 +22,15 @@ from stair_inspector.content.document import (
     plain,
 )
 from stair_inspector.content.examination import examination_table
-from stair_inspector.content.fields import FIELD_GROUPS, ReportBasis, ReportFields
+from stair_inspector.content.fields import ReportBasis, ReportFields
 from stair_inspector.content.finding_list import list_findings
 from stair_inspector.content.finding_tables import finding_blocks
+from stair_inspector.content.identity import identification_blocks, instrument_blocks
 from stair_inspector.content.note_words import note_words
 from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.settings_tables import overrules_table, settings_table
 from stair_inspector.content.uncertainty_words import uncertainty_sentences
-from stair_inspector.model import Inspection, Statistics
+from stair_inspector.model import ComparedScan, Inspection, Statistics
 from stair_inspector.units import tidy
 
 _TITLE = "Stair survey report"
@@ -48,6 +48,7 @@ class Pictures:
     bars: tuple[Figure, ...] = ()
     nosing_lines: tuple[Figure, ...] = ()
     residuals: tuple[Figure, ...] = ()
+    changes: tuple[Figure, ...] = ()
     drawings: tuple[Figure, ...] = ()
 
 
@@ -58,6 +59,7 @@ def build_document(
     made_at: datetime,
     pictures: Pictures | None = None,
     pinned: PinnedFindings | None = None,
+    compared: ComparedScan | None = None,
 ) -> Document:
     """Return a report's content: the same input gives the same document.
 
@@ -75,18 +77,21 @@ def build_document(
         See :func:`stair_inspector.writers.figures.draw_pictures`.
     pinned : PinnedFindings, optional
         Pins of the inspector, and what was said of findings.
+    compared : ComparedScan, optional
+        What changed against a second scan.
     """
     listed = list_findings(inspection, check, pinned or PinnedFindings())
     pictures = pictures or Pictures()
     sections: list[tuple[str, list[Block]]] = [
         ("Summary", _summary(inspection, check)),
         ("Findings", finding_blocks(listed)),
-        ("Identification", _identification(basis, check)),
-        ("Instrument and scan", _instrument(inspection, basis)),
+        ("Identification", identification_blocks(basis, check)),
+        ("Instrument and scan", instrument_blocks(inspection, basis)),
         ("Views", _views(pictures, basis)),
         ("Dimensions of the steps", _steps(inspection, check, pictures)),
         ("Uniformity", _uniformity(inspection, pictures)),
         ("Check against the rule set", _check(inspection, check)),
+        (CHANGES, [] if compared is None else change_blocks(compared, pictures.changes)),
         ("Closure and readings by hand", _closure(inspection, basis)),
         ("Plan and section", list(pictures.drawings)),
         ("Accuracy and uncertainty", _accuracy(inspection)),
@@ -113,7 +118,7 @@ def build_document(
         paper=basis.paper,
         front=tuple(_front(inspection, check, pictures)),
         sections=tuple(
-            Section(number, title, tuple(blocks), starts_page=number in ("1", "A"))
+            Section(number, title, tuple(blocks), starts_page=number in ("1", "A") or title == CHANGES)
             for number, title, blocks in (*numbered, *lettered)
         ),
     )
@@ -207,48 +212,6 @@ def _summary(inspection: Inspection, check: Check | None) -> list[Block]:
 
 def _decision_words(check: Check) -> str:
     return f"Decision rule: {plain(DECISIONS[check.decision])}"
-
-
-def _identification(basis: ReportBasis, check: Check | None) -> list[Block]:
-    groups = ("Report", "Object", "Survey", "Conditions", "Commission")
-    blocks: list[Block] = [_facts(group, basis.fields) for group in groups]
-    code = "no rule set was applied" if check is None else wording.code_words(check)
-    last = blocks[-1]
-    assert isinstance(last, Facts)
-    blocks[-1] = dataclasses.replace(last, items=(*last.items[:-1], ("Reference code", code), last.items[-1]))
-    return blocks
-
-
-def _facts(group: str, fields: ReportFields) -> Facts:
-    """Return a group of the user's fields; what needs room has a line of its own."""
-    names = FIELD_GROUPS[group]
-    items = tuple((ReportFields.label_of(name), plain(getattr(fields, name))) for name in names)
-    return Facts(group.lower().replace("-", "_"), group, items)
-
-
-def _instrument(inspection: Inspection, basis: ReportBasis) -> list[Block]:
-    scan, up = inspection.scan, inspection.up
-    vector = ", ".join(f"{tidy(component, 6):.6f}" for component in up.vector)
-    source = {"given": "given by the user", "floor": "normal of the floor", "treads": "normal of the treads"}[up.source]
-    origin = ", ".join(f"{tidy(coordinate, 3):.3f}" for coordinate in scan.origin_m)
-    count = Column("", digits=0)
-    items = (
-        ("Scan file", plain(scan.name)),
-        ("SHA-256", plain(scan.sha256)),
-        ("Points in the file", count.text(scan.n_points)),
-        ("Points used", count.text(scan.n_used)),
-        ("Unit of the file", plain(scan.unit)),
-        ("Origin taken off", f"{origin} m"),
-        ("Up vector", f"{vector} ({source})"),
-        ("U of the vertical", "not stated" if up.u_deg is None else f"{_fixed(up.u_deg, 3)}° (k = 2)"),
-        ("Method", "survey, nosing to nosing" if inspection.params.method == "survey" else "paper (Joo et al.)"),
-        ("Software", f"stair_inspector {__version__}"),
-    )
-    return [
-        _facts("Instrument", basis.fields),
-        _facts("Scanning", basis.fields),
-        Facts("scan", "Scan", items, columns=1),
-    ]
 
 
 def _views(pictures: Pictures, basis: ReportBasis) -> list[Block]:

@@ -8,12 +8,13 @@ import numpy as np
 from stair_inspector import __version__
 from stair_inspector.codes import Check
 from stair_inspector.content.check_records import by_name, check_record
+from stair_inspector.content.comparisons import comparison_to_dict
 from stair_inspector.content.finding_list import list_findings
 from stair_inspector.content.finding_tables import listed_record
 from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.files.settings import params_to_dict
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import Flight, Inspection, Measured, Patch, Statistics, Step
+from stair_inspector.model import ComparedScan, Flight, Inspection, Measured, Patch, Statistics, Step
 from stair_inspector.overrules import parse_force, parse_region, parse_up
 from stair_inspector.params import Params
 from stair_inspector.quantities import COMPARED, IN_FILES, ON_LINES, PAPER_QUANTITIES, PITCH, WIDTH, with_above
@@ -22,11 +23,15 @@ SCHEMA = "stair-inspector/inspection-1"
 
 
 def inspection_to_dict(
-    inspection: Inspection, check: Check | None = None, pinned: PinnedFindings | None = None
+    inspection: Inspection,
+    check: Check | None = None,
+    pinned: PinnedFindings | None = None,
+    compared: ComparedScan | None = None,
 ) -> dict[str, Any]:
     """Return the inspection as the plain values of its JSON, with a check against a rule set if there is one.
 
     ``pinned`` are pins of the inspector, and what was said of findings: the list of findings holds them too.
+    ``compared`` is what changed against a second scan.
     """
     listed = list_findings(inspection, check, pinned or PinnedFindings())
     origin = np.array(inspection.scan.origin_m)
@@ -65,6 +70,7 @@ def inspection_to_dict(
         "steps": [_step_to_dict(step, above, origin) for step, above in with_above(inspection.steps)],
         "overrules": overrule_records(inspection.params),
         "check": None if check is None else check_record(check),
+        "comparison": None if compared is None else comparison_to_dict(compared.found),
         "findings": [listed_record(entry) for entry in listed],
         "notes": [by_name(note, "code", "stage", "step", "message") for note in inspection.notes],
         "timings_s": dict(inspection.timings_s),

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Literal
 
 from stair_inspector.codes.findings import Verdict
+from stair_inspector.content.change_blocks import CHANGES
 from stair_inspector.content.document import (
     Block,
     Bullets,
@@ -50,6 +51,8 @@ def shortened(document: Document) -> Document:
     for title, keys in _EVIDENCE:
         found = [block for block in document.blocks() if _is_one_of(block, keys)]
         sections.append((title, [filled for block in found for filled in _filled(block)]))
+    # After the dimensions: who chose a second scan asks for it.
+    sections.insert(1, (CHANGES, list(by_title.get(CHANGES, ()))))
     # How values were decided on stands with what the decision does not hold.
     sections.append(
         (_LIMITATIONS, [*remarks, *_said_shortly(by_title.get(_LIMITATIONS, ())), Paragraph(_FULL, "remark")])
@@ -65,7 +68,8 @@ def shortened(document: Document) -> Document:
             *_figures(document.front),
         ),
         sections=tuple(
-            Section(str(number), title, tuple(blocks), starts_page=number == 1) for number, (title, blocks) in numbered
+            Section(str(number), title, tuple(blocks), starts_page=number == 1 or title == CHANGES)
+            for number, (title, blocks) in numbered
         ),
     )
 

@@ -8,6 +8,7 @@ scan's own axes with ``Scan.origin_m`` subtracted; the scan frame has it added a
 """
 
 from stair_inspector.model.comparison import (
+    ComparedScan,
     EpochAlignment,
     ScanComparison,
     StepChange,
@@ -58,6 +59,7 @@ __all__ = [
     "Axes",
     "Chain",
     "Chains",
+    "ComparedScan",
     "Edges",
     "EpochAlignment",
     "Examination",

@@ -111,3 +111,20 @@ class ScanComparison:
     only_before: tuple[int, ...]
     only_after: tuple[int, ...]
     notes: tuple[Note, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ComparedScan:
+    """A comparison as one of its two scans sees it: ``is_earlier`` tells whether that is the earlier one."""
+
+    found: ScanComparison
+    is_earlier: bool
+
+    def number_of(self, step: StepChange) -> int:
+        """Return the number of a step in this scan."""
+        return step.before_id if self.is_earlier else step.after_id
+
+    @property
+    def other(self) -> ScanSummary:
+        """The second scan."""
+        return self.found.after if self.is_earlier else self.found.before

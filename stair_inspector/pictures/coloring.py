@@ -1,4 +1,4 @@
-"""What the points' colours tell: step, height, direction of the surface, distance from the step's plane, or the scan.
+"""What the points' colours tell: step, height, direction, distance from the step's plane, change, or the scan.
 
 Edge shading is :func:`shade` over any of them.
 """
@@ -10,47 +10,27 @@ import numpy as np
 
 from stair_inspector.content.segmented_points import labels_at, residuals_at
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.palettes import Palette, Rgb
+from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.arrays import Colors, Floats
-from stair_inspector.model import Inspection, Patch
+from stair_inspector.model import ComparedScan, Inspection, Patch
+from stair_inspector.pictures.changes import change_legend, change_limit, deviations_at
 from stair_inspector.pictures.display import Display
 from stair_inspector.pictures.legends import Legend, Ramp, colors_on
+from stair_inspector.pictures.ramps import NOT_COLORED, VIRIDIS, color_signed, signed_limit, signed_ramp
 from stair_inspector.units import tidy
 
-ColorMode = Literal["Step", "Height", "Normal", "Residual", "Intensity", "Original"]
+ColorMode = Literal["Step", "Height", "Normal", "Residual", "Change", "Intensity", "Original"]
 
-COLOR_MODES: tuple[ColorMode, ...] = ("Step", "Height", "Normal", "Residual", "Intensity", "Original")
-VIRIDIS: tuple[Rgb, ...] = (
-    (68, 1, 84),
-    (70, 50, 127),
-    (54, 92, 141),
-    (39, 127, 142),
-    (31, 161, 135),
-    (74, 194, 109),
-    (159, 218, 58),
-    (253, 231, 37),
+COLOR_MODES: tuple[ColorMode, ...] = (
+    "Step",
+    "Height",
+    "Normal",
+    "Residual",
+    "Change",
+    "Intensity",
+    "Original",
 )
-"""Evenly spaced colours of matplotlib's viridis: even steps look even, in grey and to colour-blind eyes too."""
-DIVERGING: tuple[Rgb, ...] = (
-    (33, 102, 172),
-    (67, 147, 195),
-    (146, 197, 222),
-    (209, 229, 240),
-    (236, 236, 236),
-    (253, 219, 199),
-    (244, 165, 130),
-    (214, 96, 77),
-    (178, 24, 43),
-)
-"""ColorBrewer's RdBu from below (blue) to above (red), safe for colour-blind eyes; grey in the middle, so that it is
-seen on a white page."""
-NOT_COLORED: Rgb = (112, 116, 124)
-"""Of points that have no plane whose distance could be shown."""
-
 _OUTERMOST_PERCENT = 0.5
-_RESIDUAL_PERCENTILE = 95.0
-_LEAST_LIMIT_M = 0.0005
-_MOST_LIMIT_M = 1.0
 _AMBIENT, _DIFFUSE = 0.55, 0.45
 _CREASE_DARKENING = 0.55
 _LIGHT = np.array([-0.45, -0.62, 0.64])
@@ -76,6 +56,7 @@ def color_points(
     normals: Floats | None = None,
     axes: Floats | None = None,
     with_rejected: bool = False,
+    compared: ComparedScan | None = None,
 ) -> Coloring:
     """Colour the displayed points.
 
@@ -93,6 +74,8 @@ def color_points(
         Right of the climber, climb and up as rows, local; needed for the mode "Normal" alone.
     with_rejected : bool
         Whether rejected surfaces have a colour of their own in the mode "Step".
+    compared : ComparedScan, optional
+        What changed against a second scan; without it nothing is coloured in the mode "Change".
 
     Raises
     ------
@@ -109,12 +92,22 @@ def color_points(
         return _by_normal(normals[display.point_ids], axes)
     if mode == "Residual":
         residuals = residuals_at(inspection, display.points, display.point_ids)
-        limit_m = residual_limit(residuals)
-        return Coloring(color_residuals(residuals, limit_m), residual_legend(limit_m))
+        limit_m = signed_limit(residuals)
+        return Coloring(color_signed(residuals, limit_m), residual_legend(limit_m))
+    if mode == "Change":
+        return _by_change(inspection, display, compared)
     if mode == "Intensity":
         return _by_intensity(display)
     greys = "by how strongly it reflects where it has none" if display.greys is not None else "where it has none"
     return Coloring(display.colors, Legend(f"colours of the scan; grey {greys}"))
+
+
+def _by_change(inspection: Inspection, display: Display, compared: ComparedScan | None) -> Coloring:
+    if compared is None:
+        return Coloring(np.full_like(display.colors, NOT_COLORED), Legend("no second scan is compared yet"))
+    deviations = deviations_at(compared, inspection, display.points, display.point_ids)
+    limit_m = change_limit(compared.found)
+    return Coloring(color_signed(deviations, limit_m), change_legend(limit_m, "no tread that both scans saw"))
 
 
 def _by_intensity(display: Display) -> Coloring:
@@ -136,35 +129,13 @@ def step_colors(inspection: Inspection, display: Display, palette: Palette, *, w
     return colors
 
 
-def residual_limit(residuals: Floats) -> float:
-    """Return a round distance at which nearly all residuals lie within the scale, metres: 1, 2 or 5 and zeros."""
-    known = np.abs(residuals[np.isfinite(residuals)])
-    if not len(known):
-        return _LEAST_LIMIT_M
-    wanted = float(np.clip(np.percentile(known, _RESIDUAL_PERCENTILE), _LEAST_LIMIT_M, _MOST_LIMIT_M))
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= wanted * (1.0 - 1e-9)))
-
-
 def residual_legend(limit_m: float, *, with_others: bool = True) -> Legend:
     """Return the legend of signed distances, millimetres, the same to both sides; with points of no step if drawn."""
-    limit = limit_m * 1000.0
-    ticks = tuple(
-        (share, f"{sign}{limit * abs(2.0 * share - 1.0):g}")
-        for share, sign in ((0.0, "−"), (0.25, "−"), (0.5, ""), (0.75, "+"), (1.0, "+"))
-    )
     return Legend(
         "distance from the step's own plane [mm]: − below, + above; larger ones take the end's colour",
         ((NOT_COLORED, "of no step"),) if with_others else (),
-        Ramp(DIVERGING, ticks),
+        signed_ramp(limit_m),
     )
-
-
-def color_residuals(residuals: Floats, limit_m: float) -> Colors:
-    """Return the colours (n, 3) of signed distances in metres on the diverging scale; NaN is grey."""
-    colors = colors_on(DIVERGING, 0.5 + 0.5 * np.nan_to_num(residuals) / limit_m)
-    colors[~np.isfinite(residuals)] = NOT_COLORED
-    return colors
 
 
 def crease_of(points: Floats, normals: Floats, spacing_m: float) -> Floats:

@@ -7,7 +7,8 @@ from stair_inspector.codes.findings import Check
 from stair_inspector.content.document import Figure, plain
 from stair_inspector.content.order import Pictures
 from stair_inspector.drawings.sheets import plan_svgs, section_svgs
-from stair_inspector.model import Inspection, Scan
+from stair_inspector.model import ComparedScan, Inspection, Scan
+from stair_inspector.pictures.change_sheets import change_sheets
 from stair_inspector.pictures.chart_limits import ChartedQuantity
 from stair_inspector.pictures.nosing_charts import nosing_charts
 from stair_inspector.pictures.report_views import RenderedView, is_residual_map, report_views
@@ -25,6 +26,7 @@ def draw_pictures(
     *,
     title: str = "",
     views: Sequence[RenderedView] | None = None,
+    compared: ComparedScan | None = None,
 ) -> Pictures:
     """Return every picture of a report.
 
@@ -39,6 +41,8 @@ def draw_pictures(
     views : sequence of RenderedView, optional
         Pictures of the scene, as the inspector's page takes them; by default they are rendered without a display. Those
         whose key begins with ``residuals`` stand with the steps.
+    compared : ComparedScan, optional
+        What changed against a second scan: a map of every tread.
     """
     if views is None:
         views = report_views(scan, inspection, f"{made_at:%Y-%m-%d}", title=title)
@@ -51,6 +55,7 @@ def draw_pictures(
         bars=(*_bars(inspection, "rise", check), *_bars(inspection, "going", check)),
         nosing_lines=_nosing_lines(inspection),
         residuals=_views(residuals),
+        changes=_changes(compared, f"{made_at:%Y-%m-%d}", title),
         drawings=(*_drawings("plan", plan_svgs(inspection)), *_drawings("section", section_svgs(inspection))),
     )
 
@@ -59,6 +64,14 @@ def _views(views: Sequence[RenderedView]) -> tuple[Figure, ...]:
     return tuple(
         Figure(view.key, plain(view.caption), plain(view.caption), "png", view.png, view.share) for view in views
     )
+
+
+def _changes(compared: ComparedScan | None, date: str, title: str) -> tuple[Figure, ...]:
+    if compared is None:
+        return ()
+    words = "Change of every tread along its normal, upwards positive; what lies off the rest of its tread is outlined"
+    sheets = change_sheets(compared, date, title=title)
+    return tuple(Figure(f"change_{number}", words, words, "png", sheet) for number, sheet in enumerate(sheets, 1))
 
 
 def _bars(inspection: Inspection, quantity: ChartedQuantity, check: Check | None) -> tuple[Figure, ...]:

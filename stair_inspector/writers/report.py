@@ -11,7 +11,7 @@ from stair_inspector.content.order import build_document
 from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.short import ReportLength, shortened
 from stair_inspector.files.atomic import write_all_atomically
-from stair_inspector.model import Inspection, Scan
+from stair_inspector.model import ComparedScan, Inspection, Scan
 from stair_inspector.pictures.report_views import RenderedView
 from stair_inspector.writers.dxf import dxf_files
 from stair_inspector.writers.figures import draw_pictures
@@ -33,6 +33,7 @@ def make_report(
     check: Check | None = None,
     views: Sequence[RenderedView] | None = None,
     pinned: PinnedFindings | None = None,
+    compared: ComparedScan | None = None,
 ) -> Document:
     """Return a report's content with its pictures.
 
@@ -50,10 +51,12 @@ def make_report(
         Pictures of the inspector's own scene; by default they are rendered without a display.
     pinned : PinnedFindings, optional
         Pins of the inspector, and what was said of findings.
+    compared : ComparedScan, optional
+        What changed against a second scan, which has a page of its own.
     """
     title = basis.fields.stair or basis.fields.title
-    pictures = draw_pictures(scan, inspection, check, made_at, title=title, views=views)
-    return build_document(inspection, check, basis, made_at, pictures, pinned)
+    pictures = draw_pictures(scan, inspection, check, made_at, title=title, views=views, compared=compared)
+    return build_document(inspection, check, basis, made_at, pictures, pinned, compared)
 
 
 def of_length(document: Document, length: ReportLength) -> dict[str, Document]:
@@ -96,6 +99,7 @@ def write_report(
     views: Sequence[RenderedView] | None = None,
     pinned: PinnedFindings | None = None,
     length: ReportLength = "short",
+    compared: ComparedScan | None = None,
 ) -> list[Path]:
     """Write ``STEM_report.pdf``, ``.html``, ``.xlsx``, ``STEM_plan.dxf`` and ``STEM_section.dxf`` into a folder.
 
@@ -108,7 +112,7 @@ def write_report(
     WriteError
         The folder cannot be written; files that existed are untouched.
     """
-    document = make_report(scan, inspection, basis, made_at, check, views, pinned)
+    document = make_report(scan, inspection, basis, made_at, check, views, pinned, compared)
     made = report_bytes(document, length) | drawing_bytes(inspection, made_at)
     contents = {folder / f"{stem}{suffix}": data for suffix, data in made.items()}
     write_all_atomically(contents)

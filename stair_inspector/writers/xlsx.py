@@ -159,6 +159,8 @@ class _Sheets:
             if column.is_difference:
                 least = f"{0.5 * 10.0**-digits:.{digits + 1}f}"
                 pattern = f'[>={least}]{pattern};[<=-{least}]-{pattern};""'
+            if isinstance(cell, Number) and cell.mark:
+                pattern += f'" {cell.mark}"'
             sheet.write_number(row, k, value, self._format(pattern, None, tone))
 
     def _format(self, pattern: str, text_tone: str | None, row_tone: str) -> Any:

@@ -7,17 +7,13 @@ from stair_inspector.content.segmented_points import residuals_at
 from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.coloring import (
     COLOR_MODES,
-    DIVERGING,
-    NOT_COLORED,
-    VIRIDIS,
     color_points,
-    color_residuals,
     crease_of,
     residual_legend,
-    residual_limit,
     shade,
 )
 from stair_inspector.pictures.display import choose_display, display_of
+from stair_inspector.pictures.ramps import DIVERGING, NOT_COLORED, VIRIDIS, color_signed, signed_limit
 from stair_inspector.pictures.segmentation import draw, view_from_local
 from tests.synthetic import rotation
 from tests.viewer.surveyed import PALETTE, RISE, STAIR, surveyed
@@ -104,7 +100,7 @@ def test_the_residual_is_the_signed_distance_from_the_points_own_plane(measured)
 
 
 def test_above_is_red_below_is_blue_none_is_grey_and_beyond_the_end_is_the_end():
-    colors = color_residuals(np.array([-0.01, -0.002, 0.0, 0.002, 0.01, np.nan]), 0.002)
+    colors = color_signed(np.array([-0.01, -0.002, 0.0, 0.002, 0.01, np.nan]), 0.002)
     assert [tuple(color) for color in colors.tolist()] == [
         DIVERGING[0],
         DIVERGING[0],
@@ -119,7 +115,7 @@ def test_above_is_red_below_is_blue_none_is_grey_and_beyond_the_end_is_the_end()
 
 def test_the_scale_of_residuals_is_the_same_to_both_sides_in_millimetres(measured):
     _, inspection, display = measured
-    limit_m = residual_limit(residuals_at(inspection, display.points, display.point_ids))
+    limit_m = signed_limit(residuals_at(inspection, display.points, display.point_ids))
     assert color_points("Residual", inspection, display, PALETTE).legend == residual_legend(limit_m)
     legend = residual_legend(0.005)
     assert [words for _, words in legend.ramp.ticks] == ["−5", "−2.5", "0", "+2.5", "+5"]
@@ -133,12 +129,12 @@ def test_the_scale_of_residuals_is_the_same_to_both_sides_in_millimetres(measure
 )
 def test_the_limit_that_is_chosen_is_round_and_not_below_the_residuals(worst_mm, limit_mm):
     residuals = np.array([np.nan, -worst_mm, worst_mm, worst_mm, -worst_mm]) / 1000.0
-    assert residual_limit(residuals) == pytest.approx(limit_mm / 1000.0)
+    assert signed_limit(residuals) == pytest.approx(limit_mm / 1000.0)
 
 
 def test_without_a_single_residual_there_is_a_scale_all_the_same(measured):
     scan, inspection, _ = measured
-    assert residual_limit(np.array([np.nan])) == 0.0005
+    assert signed_limit(np.array([np.nan])) == 0.0005
     nothing = display_of(scan, np.zeros(0, dtype=np.int64))
     for mode in COLOR_MODES:
         coloring = color_points(mode, inspection, nothing, PALETTE, normals=exact_normals(), axes=np.eye(3))

@@ -11,7 +11,7 @@ from PIL import Image
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.pictures.cameras import FOV_RAD, ORTHO_FOV_RAD, VIEWS, Pose, frame_view
-from stair_inspector.pictures.coloring import VIRIDIS, residual_legend
+from stair_inspector.pictures.coloring import residual_legend
 from stair_inspector.pictures.legends import Legend
 from stair_inspector.pictures.lettering import Lettering
 from stair_inspector.pictures.picture import (
@@ -25,6 +25,7 @@ from stair_inspector.pictures.picture import (
     scale_of,
     size_of,
 )
+from stair_inspector.pictures.ramps import VIRIDIS
 
 BOX = np.array([[x, y, z] for x in (-0.6, 0.6) for y in (-1.5, 3.0) for z in (0.0, 1.8)])
 CAPTION = Caption("Stair B", "scan.ply", "Front", "2026-11-22", "survey · ε_z 20 mm " * 12)

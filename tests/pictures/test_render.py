@@ -14,9 +14,9 @@ from PIL import Image
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.model import Scan
-from stair_inspector.pictures.coloring import DIVERGING
 from stair_inspector.pictures.display import choose_display
 from stair_inspector.pictures.picture_camera import PictureCamera, camera_of
+from stair_inspector.pictures.ramps import DIVERGING
 from stair_inspector.pictures.render import render_view
 from stair_inspector.pictures.report_views import report_views
 from stair_inspector.pictures.residual_sheets import residual_sheets

@@ -3,13 +3,18 @@
 import csv
 import io
 import json
+from datetime import datetime
 
 import jsonschema
 import numpy as np
+import openpyxl
 import pytest
 
 from stair_inspector.content.comparisons import changes_table
+from stair_inspector.content.fields import ReportBasis
+from stair_inspector.content.order import build_document
 from stair_inspector.files.paths import static_configs
+from stair_inspector.model import ComparedScan
 from stair_inspector.quantities import quantity_of
 from stair_inspector.writers.comparison import (
     comparison_csv_bytes,
@@ -17,6 +22,8 @@ from stair_inspector.writers.comparison import (
     comparison_text,
     write_comparison,
 )
+from stair_inspector.writers.json import json_bytes
+from stair_inspector.writers.xlsx import xlsx_bytes
 from tests.comparison.epochs import LAST, MOVED, SETTLED, WORN, compared, epoch
 
 
@@ -72,3 +79,25 @@ def test_both_files_are_written(tmp_path):
     paths = write_comparison(compared(True), tmp_path / "results", "earlier", "later")
     assert [path.name for path in paths] == ["earlier_later_comparison.json", "earlier_later_comparison.csv"]
     assert paths[0].read_bytes() == comparison_json_bytes(compared(True))
+
+
+def test_the_json_of_an_inspection_holds_the_comparison_or_null():
+    schema = json.loads((static_configs() / "schemas" / "inspection-1.schema.json").read_text(encoding="utf-8"))
+    _, inspection = epoch(51, True)
+    document = json.loads(json_bytes(inspection, compared=ComparedScan(compared(True), is_earlier=False)))
+    jsonschema.validate(document, schema)
+    assert document["comparison"] == json.loads(comparison_json_bytes(compared(True)))
+    assert document["comparison"]["after"]["sha256"] == document["scan"]["sha256"]
+    assert json.loads(json_bytes(inspection))["comparison"] is None
+
+
+def test_the_workbook_has_the_changes_as_numbers():
+    _, inspection = epoch(51, True)
+    seen = ComparedScan(compared(True), is_earlier=False)
+    document = build_document(inspection, None, ReportBasis(), datetime(2026, 1, 1), compared=seen)
+    sheet = openpyxl.load_workbook(io.BytesIO(xlsx_bytes(document)))["Changes"]
+    heads = [cell.value for cell in sheet[1]]
+    cell = sheet.cell(SETTLED + 1, heads.index("Δ height (mm)") + 1)
+    assert cell.value == pytest.approx(1000.0 * compared(True).steps[SETTLED - 1].height.change.value)
+    assert sheet.cell(SETTLED + 1, cell.column + 1).number_format.endswith('" *"')
+    assert "*" not in sheet.cell(2, cell.column + 1).number_format

@@ -12,8 +12,9 @@ from PIL import Image
 from stair_inspector import priors
 from stair_inspector.files.palettes import Palette
 from stair_inspector.model import Inspection, Scan, Step
-from stair_inspector.pictures.coloring import color_residuals, residual_legend, residual_limit
+from stair_inspector.pictures.coloring import residual_legend
 from stair_inspector.pictures.frames import SectionFrame, section_frame
+from stair_inspector.pictures.ramps import color_signed, signed_limit
 from stair_inspector.pictures.residuals import ResidualMap, residual_map
 from stair_inspector.units import Unit, length_text
 from stair_inspector.viewer.bridge.markup import text
@@ -48,8 +49,8 @@ def residual_html(scan: Scan, inspection: Inspection, step: Step, unit: Unit = "
     found = residual_map(scan, inspection, step)
     if found is None:
         return '<div data-testid="residual-map">No plane could be fitted to this step.</div>'
-    limit_m = residual_limit(found.residuals_m)
-    colors = color_residuals(found.residuals_m.ravel(), limit_m).reshape(*found.residuals_m.shape, 3)
+    limit_m = signed_limit(found.residuals_m)
+    colors = color_signed(found.residuals_m.ravel(), limit_m).reshape(*found.residuals_m.shape, 3)
     alpha = np.where(np.isfinite(found.residuals_m), 255, 0).astype(np.uint8)
     stream = io.BytesIO()
     Image.fromarray(np.dstack([colors, alpha])).save(stream, "PNG", optimize=True)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from stair_inspector.pictures.coloring import DIVERGING, residual_limit
+from stair_inspector.pictures.ramps import DIVERGING, signed_limit
 from stair_inspector.pictures.residuals import residual_map
 from stair_inspector.viewer.parts.steps.step_pictures import card_pictures, residual_html, step_section_svg
 from tests.viewer.surveyed import PALETTE, bumped, surveyed
@@ -27,7 +27,7 @@ def test_the_picture_has_the_colours_of_the_map_and_nothing_where_there_are_no_p
     pixels = pixels_of(residual_html(scan, inspection, inspection.steps[1]))
     assert pixels.shape[:2] == found.residuals_m.shape
     np.testing.assert_array_equal(pixels[..., 3] == 255, np.isfinite(found.residuals_m))
-    limit = residual_limit(found.residuals_m)
+    limit = signed_limit(found.residuals_m)
     is_bump = found.residuals_m > 0.005
     assert 0.2 < is_bump.mean() < 0.3
     assert (pixels[is_bump, 0] > pixels[is_bump, 2] + 20).all()
