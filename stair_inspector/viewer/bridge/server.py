@@ -1,25 +1,41 @@
-"""What is private to viser's server: the sender of its messages, its share tunnel and the connections of its pages.
+"""What is private to viser's server: its sender of messages, its share tunnel, its icons and its pages' connections.
 
 The names used here are private to viser, hence the exact version in ``pyproject.toml`` and tests of each function.
 """
 
 import asyncio
+import functools
 
 import viser
+import viser._gui_api
+import viser._gui_handles
+import viser._icons
 import viser._messages
 
 from stair_inspector.viewer.bridge.wakeups import keep_waking
 
 
 def prepare_server(server: viser.ViserServer) -> None:
-    """Mend how a server is woken, and take its share tunnel away.
+    """Mend how a server is woken, have it read each icon once, and take its share tunnel away.
 
     By two messages any page could open a public tunnel to the server. Hiding the button would not do: a page can send
     the message all the same.
     """
     keep_waking(server._websock_server)
+    _read_icons_once()
     for message in (viser._messages.ShareUrlRequest, viser._messages.ShareUrlDisconnect):
         server._websock_server.unregister_handler(message)
+
+
+def _read_icons_once() -> None:
+    """Let viser keep every icon that it has read.
+
+    It keeps the last 32. A page has more, in the same order each time, so that each page would open the archive of all
+    icons again for every button, which is a quarter of the time that a page takes to make.
+    """
+    kept = functools.cache(viser._icons.svg_from_icon.__wrapped__)
+    for module in (viser._gui_api, viser._gui_handles):
+        setattr(module, kept.__name__, kept)
 
 
 def prepare_client(client: viser.ClientHandle) -> None:
