@@ -156,6 +156,7 @@ def test_no_clear_verdict_contradicts_the_truth(name: str, rule_set: Any) -> Non
     assert n_held >= 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRESETS_MARKED)
 def test_the_uncertainties_of_differences_and_spreads_hold_once_the_registration_is_stated(name: str) -> None:
     truth = truth_of(name)

@@ -152,6 +152,7 @@ app.stop()
 """
 
 
+@pytest.mark.slow
 def test_a_new_part_of_the_page_is_one_folder_and_one_line(tmp_path):
     package = copy_package(tmp_path)
     for name in (STAIR, OTHER):

@@ -144,6 +144,7 @@ def test_a_riser_that_differs_by_8_mm_stands_out_by_8_mm():
     assert flight.rise.at in {(4, 5), (5, 6)}
 
 
+@pytest.mark.slow
 def test_a_twisted_nosing_shows_on_the_left_and_the_right_line():
     inspection, building, origin = survey("twist 10 mm")
     pairs, _, _ = match(inspection, building, origin)
@@ -184,6 +185,7 @@ def test_backs_hidden_from_the_top_have_a_large_uncertainty_and_a_note():
         assert step.rise_m.u < 0.001
 
 
+@pytest.mark.slow
 def test_open_risers_are_measured_from_their_treads():
     inspection, building, origin = survey("open risers")
     # The backs of planks lie behind each other: no limit to how far off, but for the uncertainty.
@@ -293,6 +295,7 @@ def test_a_u_turn_comes_back():
     np.testing.assert_allclose(lower.climb, -upper.climb, atol=0.02)
 
 
+@pytest.mark.slow
 def test_twins_are_two_flights_beside_each_other():
     inspection, _, _ = survey("twins")
     first, second = inspection.flights

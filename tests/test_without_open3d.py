@@ -75,6 +75,7 @@ def measured(folder, method):
 
 
 @needs_open3d
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["survey", "paper"])
 def test_values_are_those_of_open3d_within_a_third_of_u(without, method, tmp_path, capsys):
     folder, _ = without
@@ -99,6 +100,7 @@ def test_values_are_those_of_open3d_within_a_third_of_u(without, method, tmp_pat
     assert compared >= 20 or method == "paper"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["survey", "paper"])
 def test_a_note_says_who_made_the_normals(without, method):
     folder, said = without

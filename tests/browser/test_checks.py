@@ -64,6 +64,7 @@ def marks(page, tab):
     return dict(zip((int(row.get_attribute("data-step")) for row in rows.all()), signs, strict=True))
 
 
+@pytest.mark.slow
 def test_results_by_rule_and_by_step_are_those_of_the_check_and_failing_steps_are_marked(page, measured):
     before = page.still_picture()
     choose_rules(page, label_of(SHARED), SHARED)

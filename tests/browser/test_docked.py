@@ -105,6 +105,7 @@ def test_columns_are_chosen_and_rows_sorted_with_the_menu_open_meanwhile(page):
     assert [cells[0].split()[0] for cells in page.table() if len(cells) == 8] == ["1", "2", "3", "4", "5"]
 
 
+@pytest.mark.slow
 def test_the_keyboard_stays_on_its_row_and_the_edge_and_the_fold_give_the_scene_room(page):
     row = page.page.locator("[data-testid=step-row][data-step='2']")
     row.focus()

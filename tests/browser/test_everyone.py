@@ -96,6 +96,7 @@ def test_a_folder_is_opened_by_key(page):
         )
 
 
+@pytest.mark.slow
 def test_colours_that_every_eye_tells_apart_are_chosen_on_the_scan_tab(page):
     colors = read_palette("distinct").steps[:3]
     page.tab("Scan")

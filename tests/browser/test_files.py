@@ -120,6 +120,7 @@ def test_a_broken_scan_is_a_sentence_and_the_good_one_works_again(page, measured
     assert page.table() == rows_of(measured())
 
 
+@pytest.mark.slow
 def test_scans_are_opened_from_their_list_by_mouse_and_by_key(page):
     page.tab("Scan")
     row = page.page.locator("[data-testid=scan-row][data-scan='stair.ply']")

@@ -72,6 +72,7 @@ def test_a_slider_moved_by_keyboard_changes_the_table(page, measured, label, key
     assert page.table() != before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("tab", "label", "option", "setting", "used"),
     [

@@ -68,6 +68,7 @@ def test_the_papers_method_has_the_papers_columns_only(page):
     page.await_columns("survey")
 
 
+@pytest.mark.slow
 def test_a_chosen_step_has_its_dimensions_in_the_scene_and_all_its_values_on_a_card(page, measured):
     step = measured().steps[1]
     assert page.text("card") == ""
@@ -91,6 +92,7 @@ def test_a_chosen_step_has_its_dimensions_in_the_scene_and_all_its_values_on_a_c
     assert page.text("card") == ""
 
 
+@pytest.mark.slow
 def test_marking_a_step_rejected_changes_the_table_and_marking_its_surface_a_tread_brings_it_back(page):
     before = page.survey_table()
     page.click_row(5)

@@ -86,6 +86,7 @@ def shift_click(page, x, y):
 # Tuning.
 
 
+@pytest.mark.slow
 def test_every_change_can_be_undone_and_redone(page):
     page.press("paper's α_f [%]", "ArrowLeft")
     page.await_result("α 94.5/5 %")

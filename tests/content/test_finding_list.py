@@ -26,6 +26,7 @@ def by_key(found):
     return {entry.key: entry for entry in found}
 
 
+@pytest.mark.slow
 def test_every_value_outside_a_limit_is_a_row():
     _, inspection = scanned()
     outside = [found for found in checked().findings if found.verdict.is_outside]

@@ -29,6 +29,7 @@ def test_a_photo_is_upright_small_and_tells_no_place():
     assert dict(shown.getexif()) == {}
 
 
+@pytest.mark.slow
 def test_a_logo_keeps_what_is_transparent_and_is_made_small():
     logo = Image.open(io.BytesIO(read_logo(picture("PNG", (5000, 5000), "RGBA"))))
     assert (logo.format, logo.mode, logo.size) == ("PNG", "RGBA", (600, 600))

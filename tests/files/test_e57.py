@@ -330,6 +330,7 @@ def test_a_library_that_runs_on_is_ended(monkeypatch, two):
     assert time.monotonic() - began < 20.0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits the memory of a process")
 @pytest.mark.parametrize(
     ("trick", "words"),

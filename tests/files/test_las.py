@@ -73,6 +73,7 @@ def sizes_of(scan):
     return np.array([[(each.value, each.u) if each else (np.nan, np.nan) for each in of_step] for of_step in sizes])
 
 
+@pytest.mark.slow
 def test_a_stair_is_measured_as_from_ply(tmp_path):
     points, _ = Stair(noise=0.002, risers=True).sample()
     plain = tmp_path / "a.ply"

@@ -49,7 +49,9 @@ def test_every_format_gives_the_cloud_of_the_same_mesh(tmp_path, name):
     assert codes(scan)[-1] == "faces_sampled"
 
 
-@pytest.mark.parametrize("name", ["a.ply", "ascii.stl", "a.glb"])
+@pytest.mark.parametrize(
+    "name", ["a.ply", *(pytest.param(name, marks=pytest.mark.slow) for name in ("ascii.stl", "a.glb"))]
+)
 def test_the_stair_of_a_model_is_measured_as_it_is(tmp_path, name, monkeypatch):
     """Overlapping solids, a slab with an underside: a model of vertices that no method for clouds could measure."""
     monkeypatch.setattr(raw_mesh, "MOST_POINTS", 60_000)

@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 from stair_inspector import cli
 from tests.package_copy import copy_package, environment_of
 from tests.synthetic import Stair
@@ -28,6 +30,7 @@ FORMAT = ScanFormat(".abc", "'ABC'", is_abc, read_abc)
 '''
 
 
+@pytest.mark.slow
 def test_a_new_format_is_one_file_and_one_line(tmp_path, capsys):
     copy, folder = tmp_path / "copy", tmp_path / "scans"
     room = copy_package(copy) / "files"

@@ -347,6 +347,7 @@ def test_flipped_bytes_give_an_error_or_a_scan(name: str, data: st.DataObject) -
     read_soon(name, bytes(content))
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(name=st.sampled_from(sorted(VALID)), junk=st.binary(max_size=80), at=st.floats(0, 1))
 @example(name="a.xyz", junk=b"\r", at=0.1)

@@ -224,6 +224,7 @@ def test_a_size_that_is_no_picture_is_refused(stair):
         render_view(scan, inspection, "Home", "Raw", (100000, 300), DATE)
 
 
+@pytest.mark.slow
 def test_it_needs_no_display_and_no_browser():
     code = (
         "import sys; from tests.viewer.surveyed import surveyed;"
@@ -261,6 +262,7 @@ def test_a_bump_on_a_tread_is_red_on_its_map_where_it_is(stair):
     assert step.step_id == 2
 
 
+@pytest.mark.slow
 def test_residuals_of_a_long_stair_take_more_than_one_sheet(stair):
     scan, inspection = stair
     many = dataclasses.replace(inspection, steps=inspection.steps[:4] * 30)

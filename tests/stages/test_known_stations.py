@@ -67,6 +67,7 @@ def test_of_three_stations_the_one_that_lies_apart_moves():
     assert np.abs((laid.points - scanned.points[ORDER])[now.moved.is_moved, 2]).max() < 4e-4
 
 
+@pytest.mark.slow
 def test_of_three_stations_two_that_lie_apart_in_their_own_ways_move():
     scanned, is_second = simulated()
     of_point = np.where(is_second, 1, 2 * (np.arange(len(is_second)) % 5 == 0))
@@ -108,6 +109,7 @@ def test_stations_that_lie_over_each_other_stay():
     assert (now.observations, now.moved) == ((), None)
 
 
+@pytest.mark.slow
 def test_two_faces_of_slabs_that_were_seen_from_opposite_sides_are_no_surface_twice():
     rng = np.random.default_rng(5)
     floor = station(0.001)
@@ -163,6 +165,7 @@ def test_the_values_are_those_of_the_plain_cloud_where_stations_lie_over_each_ot
         assert mine.width_m == other.width_m
 
 
+@pytest.mark.slow
 def test_a_large_scan_with_stations_is_thinned_too():
     points, _ = Stair(n_steps=3, spacing=0.0032, noise=0.001).sample()
     assert len(points) > 150_000

@@ -246,6 +246,7 @@ def test_up_is_square_to_the_treads_of_two_to_sixty_risers(n_steps, has_wall, tu
     assert degrees_between(up.vector, turn[:, 2]) < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "turn",
     [pytest.param(turn, marks=pytest.mark.slow if name != "z up" else (), id=name) for name, turn in TURNS.items()],

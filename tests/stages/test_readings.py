@@ -94,6 +94,7 @@ def test_of_views_over_pitches_axes_and_rooms_none_is_wrong_without_a_question()
     assert counts["right"] >= 0.8 * len(found)
 
 
+@pytest.mark.slow
 def test_a_camera_that_would_look_straight_down_is_asked_about_where_nothing_shows_a_rhythm():
     # From 2.2 m and 0.9 m high hardly a tread is seen.
     view = View(rise=0.19, going=0.25, pitch_deg=10.0, camera_height=0.9, distance=2.2, turned_to="-z", seed=6)
@@ -223,6 +224,7 @@ def test_the_lower_flight_does_not_speak_for_the_side_below_the_upper_one():
     assert both > lead_of_upright(points, normals) - 0.5
 
 
+@pytest.mark.slow
 def test_treads_without_risers_over_which_the_floor_would_lie_are_asked_about():
     stair = Stair(n_steps=7, rise=0.175, going=0.28, spacing=0.035, noise=0.001, floor_depth=2.0)
     points, _ = stair.sample()

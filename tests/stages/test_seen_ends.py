@@ -39,6 +39,7 @@ def codes(inspection):
     return {(note.code, note.step) for note in inspection.notes}
 
 
+@pytest.mark.slow
 def test_a_side_beyond_which_a_station_looked_is_the_treads_own_and_u_no_longer_holds_a_shadow():
     proved, before = measured("free"), measured("free", with_places=False)
     assert ("side_unobserved", 3) in codes(before)
@@ -51,6 +52,7 @@ def test_a_side_beyond_which_a_station_looked_is_the_treads_own_and_u_no_longer_
         assert proved.steps[k].width_m == before.steps[k].width_m
 
 
+@pytest.mark.slow
 def test_a_side_in_the_shadow_of_a_thing_keeps_its_u_and_the_note_names_the_station():
     (note,) = [note for note in measured("box").notes if (note.code, note.step) == ("side_unobserved", 3)]
     assert "; beyond the rim it lies in the shadow of something " in note.message

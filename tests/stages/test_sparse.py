@@ -87,6 +87,7 @@ def test_every_step_of_a_sparse_scan_is_found_and_measured(name):
     assert [found.code for found in inspection.examination].count("sparse") == 1
 
 
+@pytest.mark.slow
 def test_a_defect_of_one_step_stays_as_large_as_it_is():
     scan, truth = cut(DEFECTS, replace(FAR, seed=21))
     steps = inspect(scan, TLS).steps

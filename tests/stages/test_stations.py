@@ -143,6 +143,7 @@ def test_the_undersides_that_one_station_saw_stay_where_they_are():
     assert now is examined
 
 
+@pytest.mark.slow
 def test_rises_are_right_where_stations_were_apart_and_the_width_says_what_is_not_known():
     scan, memo = measured()
     found = inspect(scan, Params(), memo)
@@ -255,6 +256,7 @@ def test_given_normals_turn_with_their_station():
     assert np.linalg.norm(scan.normals - laid.normals, axis=1).max() > 4e-4
 
 
+@pytest.mark.slow
 def test_a_place_that_is_picked_lies_where_it_was_measured():
     scan, memo = measured()
     found = inspect(scan, Params(), memo)

@@ -84,6 +84,7 @@ class WatchedLock:
         self._lock.release()
 
 
+@pytest.mark.slow
 def test_the_desk_is_never_waited_for_while_the_work_is_held(serve):
     page = WirePage(serve())
     page.await_result("stair.ply")
@@ -117,6 +118,7 @@ def test_the_desk_is_never_waited_for_while_the_work_is_held(serve):
     assert wrong == []
 
 
+@pytest.mark.slow
 def test_nothing_is_done_to_a_scan_while_another_is_still_shown(serve, folder, two_stairs):
     (folder / "other.ply").write_bytes((two_stairs / "stair.ply").read_bytes()[:-1000])
     page = WirePage(serve())
@@ -243,6 +245,7 @@ def test_work_that_could_not_be_saved_before_a_reload_is_saved_after_it_whatever
     assert (title_in(in_the_way), title_in(folder / "other.stair.json")) == ("Hall", "Yard")
 
 
+@pytest.mark.slow
 def test_what_is_shown_to_a_page_before_the_server_knows_that_it_has_gone_is_no_mistake(serve, folder):
     """viser warns of messages to a closed connection, and a warning fails a test."""
     app = serve()
@@ -354,6 +357,7 @@ def test_an_upload_is_nobody_elses_and_what_is_done_on_it_is_not_called_saved(se
         part_of(theirs.session, "scan").choose("up.ply")
 
 
+@pytest.mark.slow
 def test_uploads_of_pages_that_have_gone_make_room(serve, two_stairs):
     app = serve()
     content = (two_stairs / "other.ply").read_bytes()
@@ -503,6 +507,7 @@ def test_a_folder_opens_on_the_first_scan_that_can_be_read_and_marks_the_others(
         app.stop()
 
 
+@pytest.mark.slow
 def test_a_page_that_is_gone_hands_its_work_on_while_somebody_still_draws_on_it(serve):
     app = serve()
     page = WirePage(app)
@@ -525,6 +530,7 @@ def test_a_page_that_is_gone_hands_its_work_on_while_somebody_still_draws_on_it(
         drawing.join()
 
 
+@pytest.mark.slow
 def test_a_late_result_of_the_scan_before_leaves_the_one_being_opened_said(serve):
     page = WirePage(serve())
     shown = page.await_result("stair.ply")

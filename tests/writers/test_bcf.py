@@ -91,6 +91,7 @@ def archive():
     return zipfile.ZipFile(io.BytesIO(written()[2]))
 
 
+@pytest.mark.slow
 def test_another_reader_finds_every_topic_with_its_camera_picture_and_photograph(tmp_path):
     reader = module_or_skip("bcf.v2.bcfxml", "bcf-client")
     inspection, pinned, data = written()

@@ -393,6 +393,7 @@ def test_a_scan_whose_file_has_gone_can_still_be_measured(tmp_path):
         workshop.close()
 
 
+@pytest.mark.slow
 def test_a_call_that_is_no_longer_wanted_ends_at_once_and_the_next_one_works(heavy):
     began = time.monotonic()
     stop_at = began + 0.3

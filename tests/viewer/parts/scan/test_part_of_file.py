@@ -1,9 +1,12 @@
 """A box of the file that is written on the page is read alone."""
 
+import pytest
+
 from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import await_that
 
 
+@pytest.mark.slow
 def test_a_part_of_the_file_is_read_and_can_be_undone(page):
     session = page.session
     tool, field = part_of(session, "scan").part_of_file, session.editor.controls._controls["crop"]

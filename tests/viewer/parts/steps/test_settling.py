@@ -76,6 +76,7 @@ def test_what_is_looked_into_is_given_up_for_the_next_result(monkeypatch, page):
     assert ended == ["cancelled"]
 
 
+@pytest.mark.slow
 def test_what_was_given_up_for_a_run_that_came_to_nothing_is_looked_into_again(looked, page):
     session = page.session
     # As while a run goes on that is cancelled in the end.
