@@ -201,6 +201,11 @@ class Desk:
             raise ConfigError(f"{what}: there is no result yet; wait for the first one")
         return self.shown
 
+    def result_to_send(self, what: str) -> Shown:
+        """Return the last good result with its notes as in :attr:`marked`, for files; raises as :meth:`result`."""
+        shown = self.result(what)
+        return replace(shown, inspection=self.marked or shown.inspection)
+
     def to_view(self, points: Floats) -> Floats:
         """Return places of the view for places of the scan's own frame, (..., 3) metres."""
         shown = self.result("place")

@@ -95,15 +95,15 @@ class Downloads:
         """Send a file of the result that is shown."""
         desk = self._desk
         with desk.lock:
-            shown, marked = desk.result("export"), desk.marked
+            shown, told = desk.result("export"), desk.result_to_send("export").inspection
             check = self._judge.checked() if kind in ("JSON", "BCF") else None
             pinned = self._editor.work.findings
         make: dict[str, tuple[str, Callable[[Tell], bytes]]] = {
-            "CSV": (".csv", lambda _: csv_bytes(marked or shown.inspection)),
-            "JSON": (".json", lambda _: json_bytes(marked or shown.inspection, check, pinned)),
+            "CSV": (".csv", lambda _: csv_bytes(told)),
+            "JSON": (".json", lambda _: json_bytes(told, check, pinned)),
             "BCF": (
                 ".bcf",
-                lambda _: bcf_bytes(shown.scan, shown.inspection, check, pinned, datetime.datetime.now().astimezone()),
+                lambda _: bcf_bytes(shown.scan, told, check, pinned, datetime.datetime.now().astimezone()),
             ),
             "Debug PLY": ("_debug.ply", lambda _: debug_ply_bytes(shown.scan, shown.inspection)),
             "Segmented LAZ": ("_segmented.laz", lambda _: segmented_bytes(shown.scan, shown.inspection, "laz")),

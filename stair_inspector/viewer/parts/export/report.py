@@ -99,7 +99,7 @@ class ReportMaker:
 
     def _order(self) -> _Order:
         with self._desk.lock:
-            shown = self._desk.result("report")
+            shown = self._desk.result_to_send("report")
             work = self._editor.work
             check = self._judge.checked()
             basis = titled(work.basis, work.title)

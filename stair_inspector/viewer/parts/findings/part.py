@@ -23,7 +23,14 @@ class FindingsPart(PagePart):
     title = "Findings"
     icon = viser.Icon.FLAG
     depends_on = frozenset(
-        {PageChange.WORK, PageChange.RESULT, PageChange.SCAN, PageChange.CLOUD, PageChange.SELECTION}
+        {
+            PageChange.WORK,
+            PageChange.RESULT,
+            PageChange.SCAN,
+            PageChange.CLOUD,
+            PageChange.SELECTION,
+            PageChange.SETTLED,
+        }
     )
 
     def __init__(self, context: Context) -> None:
@@ -48,7 +55,7 @@ class FindingsPart(PagePart):
         """List what is found now, and draw its marks."""
         if what != {PageChange.SELECTION}:
             findings = self._editor.work.findings
-            self.listed = list_findings(self._desk.inspection, self._judge.check, findings)
+            self.listed = list_findings(self._desk.marked, self._judge.check, findings)
             if self.chosen() is None:
                 self._key = ""
             self._draw()

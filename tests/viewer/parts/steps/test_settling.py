@@ -46,6 +46,11 @@ def test_a_mark_is_in_the_table_on_the_card_and_among_the_notes_and_goes_with_th
     session.desk.select(2)
     assert "hangs on the settings" in part_of(session, "steps").card.content
     assert "▲" in part_of(session, "frame").state.content
+    # The list of findings and the files say it too.
+    assert WORDS in [finding.text for finding in part_of(session, "findings").listed]
+    report = part_of(session, "export").report.maker._order().shown.inspection
+    assert NOTE in report.notes
+    assert NOTE in session.desk.result_to_send("export").inspection.notes
     slide(page, "horizontal.theta_deg", 20.0)
     assert "hangs on the settings" not in part_of(session, "foot").notes.content
     await_that(lambda: len(looked) == 2, "the next result is not looked into")
