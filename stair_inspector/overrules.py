@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, get_args
 
-from stair_inspector.declarations import Box, Group, Setting, parse_box
+from stair_inspector.declarations import Group, Setting, parse_box
 from stair_inspector.errors import ConfigError, brief, is_one_line
 
 ForcedKind = Literal["tread", "landing", "rejected"]
@@ -194,15 +194,51 @@ def _escaped(reason: str) -> str:
     return re.sub(r"\\" if is_balanced else r"[\\()]", r"\\\g<0>", reason)
 
 
-def parse_region(text: str) -> Box | None:
-    """Return the lowest and highest corner of a region of interest, metres in the scan's frame; None for everything.
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A region of interest: the lowest and highest corner of its box, metres in the scan's frame.
+
+    With ``bearing_deg`` the box stands upright and is turned about its middle; else it lies along the scan's axes. See
+    :func:`~stair_inspector.geometry.boxes.turned_box`.
+    """
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    bearing_deg: float | None = None
+
+
+def parse_region(text: str) -> Region | None:
+    """Return the region of interest that a setting names; None for everything.
 
     Raises
     ------
     ConfigError
-        Not six finite numbers, or a side without length.
+        Not six finite numbers, or seven with a bearing of at most a full turn; or a side without length.
+
+    Examples
+    --------
+    >>> parse_region("0,0,0,1,2,3,30").bearing_deg
+    30.0
     """
-    return parse_box(text, "overrules.region", "metres")
+    corners, bearing_deg = text, None
+    if text.count(",") == 6:
+        corners, _, last = text.rpartition(",")
+        try:
+            bearing_deg = float(last)
+        except ValueError:
+            bearing_deg = math.nan
+        if not -360.0 <= bearing_deg <= 360.0:
+            raise ConfigError(
+                f"overrules.region: got the bearing {brief(last)}; give degrees about the vertical, from -360 to 360"
+            )
+    box = parse_box(corners, "overrules.region", "metres")
+    return None if box is None else Region(*box, bearing_deg)
+
+
+def region_text(region: Region) -> str:
+    """Return a region of interest as it stands in the setting."""
+    bearing = () if region.bearing_deg is None else (region.bearing_deg,)
+    return ",".join(repr(value) for value in (*region.low, *region.high, *bearing))
 
 
 @dataclass(frozen=True)
@@ -227,7 +263,8 @@ class OverrulesParams(Group):
     region: Annotated[
         str,
         Setting("Region", place="scene").says(
-            "Box to measure in, 'xmin,ymin,zmin,xmax,ymax,zmax' in the scan's frame, metres; empty for everything."
+            "Box to measure in, 'xmin,ymin,zmin,xmax,ymax,zmax' in the scan's frame, metres; empty for everything. A "
+            "seventh number turns it about its middle and the vertical: degrees, from x towards y where z is up."
         ),
     ] = ""
 

@@ -145,8 +145,8 @@ def overrule_records(params: Params) -> list[dict[str, Any]]:
     decided = [] if params.method == "paper" else _decisions_to_list(params)
     region = parse_region(params.overrules.region)
     if region is not None:
-        low, high = region
-        decided.append({"what": "region", "low_m": list(low), "high_m": list(high)})
+        bearing = {} if region.bearing_deg is None else {"bearing_deg": region.bearing_deg}
+        decided.append({"what": "region", "low_m": list(region.low), "high_m": list(region.high), **bearing})
     return decided
 
 

@@ -48,7 +48,8 @@ class HeightOrder:
     ``point_ids`` (n,) into the scan; ``alignment`` (n,) |normal . up|; ``coordinates_m`` (3, n) local coordinates
     along the rows of ``level_from_scan`` (3, 3), a rotation whose third row is up: two plan coordinates and the
     height, which ascends. One contiguous row for each coordinate, because every later stage works on ranges of them.
-    ``plan_corner_m`` (2,) are the least plan coordinates of all level points, in the region or not.
+    ``plan_corner_m`` (2,) are the least plan coordinates of all level points, in the region or not. ``whole`` is the
+    same of all points where a region leaves some out.
     """
 
     point_ids: Ints
@@ -58,6 +59,7 @@ class HeightOrder:
     up: Up
     n_scan: int
     plan_corner_m: Floats | None = None
+    whole: "HeightOrder | None" = None
 
     def between(self, low_m: float, high_m: float) -> slice:
         """Return the rows of the points from one height up to another, metres."""
@@ -75,6 +77,7 @@ class Horizontal:
     up: Up
     n_scan: int
     plan_corner_m: Floats | None = None
+    whole: "Horizontal | None" = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

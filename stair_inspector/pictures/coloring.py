@@ -10,8 +10,8 @@ import numpy as np
 
 from stair_inspector.content.segmented_points import labels_at, residuals_at
 from stair_inspector.errors import ConfigError
-from stair_inspector.files.palettes import Palette
-from stair_inspector.geometry.arrays import Colors, Floats
+from stair_inspector.files.palettes import Palette, Rgb
+from stair_inspector.geometry.arrays import Bools, Colors, Floats
 from stair_inspector.model import ComparedScan, Inspection, Patch
 from stair_inspector.pictures.changes import change_legend, change_limit, deviations_at
 from stair_inspector.pictures.display import Display
@@ -33,6 +33,7 @@ COLOR_MODES: tuple[ColorMode, ...] = (
 _OUTERMOST_PERCENT = 0.5
 _AMBIENT, _DIFFUSE = 0.55, 0.45
 _CREASE_DARKENING = 0.55
+_LEFT_OF_COLOR = 0.25
 _LIGHT = np.array([-0.45, -0.62, 0.64])
 """Towards the light, in the axes right of the climber, climb and up: from the lower left, as the first view."""
 _CREASE_CELLS = 3.0
@@ -127,6 +128,14 @@ def step_colors(inspection: Inspection, display: Display, palette: Palette, *, w
         patch_ids = inspection.patch_ids[display.point_ids]
         colors[np.isin(patch_ids, [patch.patch_id for patch in rejected])] = palette.rejected
     return colors
+
+
+def dimmed(colors: Colors, is_aside: Bools, ground: Rgb) -> Colors:
+    """Return colours (m, 3), those of points that do not count (m,) drawn towards the ground that they stand on."""
+    pale = colors.copy()
+    share = _LEFT_OF_COLOR * colors[is_aside] + (1.0 - _LEFT_OF_COLOR) * np.array(ground)
+    pale[is_aside] = np.rint(share).astype(np.uint8)
+    return pale
 
 
 def residual_legend(limit_m: float, *, with_others: bool = True) -> Legend:

@@ -26,6 +26,7 @@ def select_horizontal(heights: HeightOrder, params: HorizontalParams) -> Horizon
         up=heights.up,
         n_scan=heights.n_scan,
         plan_corner_m=heights.plan_corner_m,
+        whole=None if heights.whole is None else select_horizontal(heights.whole, params),
     )
 
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.errors import CannotMeasure, ConfigError, DegenerateGeometry
-from stair_inspector.geometry.arrays import Floats, freeze, own, project
+from stair_inspector.geometry.arrays import Floats, Ints, freeze, own, project
+from stair_inspector.geometry.boxes import TurnedBox, turned_box
 from stair_inspector.geometry.fits import PlaneFit, spread_rank
 from stair_inspector.geometry.normals import estimate_normals
 from stair_inspector.geometry.open3d import why_without
@@ -212,6 +213,15 @@ def _is_believed(reading: Reading, floor: PlaneFit, support: Support) -> bool:
     return not (is_levelled(floor) and is_flat and support.n_steps > 0)
 
 
+def region_box(region: str, up: Up, scan: Scan) -> TurnedBox | None:
+    """Return the box that ``overrules.region`` names, local coordinates; None for everything."""
+    found = parse_region(region)
+    if found is None:
+        return None
+    low, high = (np.array(corner) - scan.origin_m for corner in (found.low, found.high))
+    return turned_box(low, high, up.vector, found.bearing_deg)
+
+
 def order_by_height(scan: Scan, normals: Normals, up: Up, region: str = "") -> HeightOrder:
     """Sort the points by height along ``up``, with plan coordinates and |n . u| in the same order.
 
@@ -242,28 +252,31 @@ def order_by_height(scan: Scan, normals: Normals, up: Up, region: str = "") -> H
     rows = np.ascontiguousarray(scan.points.T)
     coordinates = np.stack([project(rows, axis) for axis in level_from_scan])
     order = np.argsort(coordinates[2], kind="stable")
-    box = parse_region(region)
-    if box is not None:
-        low, high = np.array(box) - scan.origin_m
-        is_inside = ((scan.points >= low) & (scan.points <= high)).all(axis=1)
-        order = order[is_inside[order]]
-        if not len(order):
-            raise ConfigError(f"overrules.region: no point of {scan.name} lies in the box {region}; check its corners")
     alignment = np.abs(project(normals.vectors.T, u))
     is_level = alignment >= math.cos(math.radians(LEVEL_TOLERANCE_DEG))
+    box, is_inside = region_box(region, up, scan), None
+    if box is not None:
+        is_inside = box.holds(scan.points)
+        if not is_inside.any():
+            raise ConfigError(f"overrules.region: no point of {scan.name} lies in the box {region}; check its corners")
     if scan.is_outward is not None and scan.normals is not None:
         # Nobody walks on the underside of a slab, and it is no second floor below the first.
         is_underside = is_level & scan.is_outward & (project(scan.normals.T, u) < 0.0)
         order = order[~is_underside[order]]
-    return HeightOrder(
-        point_ids=freeze(order),
-        alignment=freeze(alignment[order]),
-        coordinates_m=freeze(coordinates.take(order, axis=1)),
-        level_from_scan=own(level_from_scan, (3, 3), "level_from_scan"),
-        up=up,
-        n_scan=len(scan.points),
-        plan_corner_m=freeze(coordinates[:2, is_level].min(axis=1)) if is_level.any() else None,
-    )
+
+    def of(order: Ints, whole: HeightOrder | None = None) -> HeightOrder:
+        return HeightOrder(
+            point_ids=freeze(order),
+            alignment=freeze(alignment[order]),
+            coordinates_m=freeze(coordinates.take(order, axis=1)),
+            level_from_scan=own(level_from_scan, (3, 3), "level_from_scan"),
+            up=up,
+            n_scan=len(scan.points),
+            plan_corner_m=freeze(coordinates[:2, is_level].min(axis=1)) if is_level.any() else None,
+            whole=whole,
+        )
+
+    return of(order) if is_inside is None else of(order[is_inside[order]], of(order))
 
 
 def _turn_upwards(

@@ -12,7 +12,15 @@ from stair_inspector.geometry.percentiles import median
 from stair_inspector.geometry.trimmed import fit_trimmed, height_above
 from stair_inspector.model import Horizontal, Levels, Patches, Surface
 from stair_inspector.params import LevelsParams, PatchesParams
-from stair_inspector.stages.plan_cells import PlanGrid, PlanPart, lay_plan_grid, part_of_rows, split_in_plan
+from stair_inspector.stages.levels import find_height_reach, find_levels
+from stair_inspector.stages.plan_cells import (
+    LARGEST_CELL_M,
+    PlanGrid,
+    PlanPart,
+    lay_plan_grid,
+    part_of_rows,
+    split_in_plan,
+)
 from stair_inspector.stages.treads import plane_of_rows
 
 MAX_PATCHES = 3000
@@ -56,7 +64,8 @@ def split_levels(horizontal: Horizontal, levels: Levels, params: PatchesParams, 
     """
     coordinates = horizontal.coordinates_m
     groups = [np.arange(start, stop) for start, stop in zip(levels.start, levels.stop, strict=True)]
-    grid = lay_plan_grid(coordinates[:2], levels, params.cell_m, horizontal.plan_corner_m)
+    most_m = _largest_cell_of(horizontal.whole, params, heights)
+    grid = lay_plan_grid(coordinates[:2], levels, params.cell_m, horizontal.plan_corner_m, most_m)
     planes: list[_CellPlane] = []
     for _ in range(_ROUNDS):
         parts = split_in_plan(grid, coordinates, groups, heights.eps_m)
@@ -97,6 +106,21 @@ class _CellPlane:
 
 def _level_of(levels: Levels, rows: Ints) -> int:
     return int(np.searchsorted(levels.start, rows[0], side="right")) - 1
+
+
+def _largest_cell_of(whole: Horizontal | None, params: PatchesParams, heights: LevelsParams) -> float:
+    """Return the largest plan cell that is taken, metres: in a region of a scan none is larger than in all of it.
+
+    That less of a scan is measured makes nothing coarser. Without a region, and where the whole falls into too many
+    levels, cells may be as large as any.
+    """
+    if whole is None:
+        return LARGEST_CELL_M
+    try:
+        levels = find_levels(whole, find_height_reach(whole, heights.eps_m), heights)
+    except CannotMeasure:
+        return LARGEST_CELL_M
+    return lay_plan_grid(whole.coordinates_m[:2], levels, params.cell_m, whole.plan_corner_m).cell_m
 
 
 def _split_in_height(

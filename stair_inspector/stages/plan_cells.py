@@ -11,7 +11,7 @@ from stair_inspector.geometry.clusters import cluster_cells
 from stair_inspector.geometry.percentiles import median
 from stair_inspector.model import Levels
 
-_LARGEST_CELL_M = 0.15
+LARGEST_CELL_M = 0.15
 _LARGEST_TABLE = 20_000_000
 _POINTS_PER_CELL = 4.0
 """A cell that holds fewer points leaves holes in a surface by chance."""
@@ -48,8 +48,10 @@ class PlanPart:
     means: Floats
 
 
-def lay_plan_grid(plan: Floats, levels: Levels, cell_m: float, corner: Floats | None = None) -> PlanGrid:
-    """Lay plan cells over the points of all height clusters: larger ones than wanted where the scan is too coarse."""
+def lay_plan_grid(
+    plan: Floats, levels: Levels, cell_m: float, corner: Floats | None = None, most_m: float = LARGEST_CELL_M
+) -> PlanGrid:
+    """Lay plan cells over the points of all height clusters: where the scan is coarse larger ones, up to ``most_m``."""
     cell_of = np.zeros(plan.shape[1], dtype=np.int64)
     spans = [slice(start, stop) for start, stop in zip(levels.start, levels.stop, strict=True)]
     if not spans:
@@ -67,9 +69,9 @@ def lay_plan_grid(plan: Floats, levels: Levels, cell_m: float, corner: Floats | 
             column, row = ((plan[:, span] - low[:, None]) / cell_m).astype(np.int64)
             cell_of[span] = column * n_rows + row
         keys = _renumber(cell_of, spans, n_columns * n_rows)
-        if n_points >= _POINTS_PER_CELL * len(keys) or cell_m >= _LARGEST_CELL_M:
+        if n_points >= _POINTS_PER_CELL * len(keys) or cell_m >= most_m:
             return PlanGrid(cell_of, np.stack(np.divmod(keys, n_rows)), cell_m)
-        cell_m = min(1.25 * cell_m, _LARGEST_CELL_M)
+        cell_m = min(1.25 * cell_m, most_m)
 
 
 def _renumber(keys: Ints, spans: Sequence[slice], n_keys: int) -> Ints:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.boxes import TurnedBox, turned_box
 from stair_inspector.model import CUT_BACK, CUT_FRONT, CUT_SIDES, Horizontal, Note, Patches, Scan, Step, Up
-from stair_inspector.overrules import parse_region
+from stair_inspector.stages.orient import region_box
 
 _AT_FACE_M, _AT_FACE_SPACINGS = 0.02, 3.0
 """What lies as near to a face of the region may have been cut off there; of sparse points more spacings are needed."""
@@ -55,7 +56,7 @@ def note_region_cuts(
         stair's: of the codes ``CUT_SIDES``, ``CUT_BACK`` and ``CUT_FRONT``.
     """
     notes: list[Note] = []
-    for limit in _limits_of(scan, region):
+    for limit in _limits_of(scan, up, region):
         notes += _note_cuts(limit, up, steps, points, spacings_m)
     return notes
 
@@ -68,7 +69,7 @@ def _note_cuts(
         if step.climb is None:
             continue
         left = np.cross(up.vector, step.climb)
-        cut = {side for face in _cut_faces(limit, up, own, spacing_m) for side in _sides_of(*face, step.climb, left)}
+        cut = {side for way in _cut_faces(limit, up, own, spacing_m) for side in _sides_of(way, step.climb, left)}
         for code, names, lost in _WHAT_IS_LOST:
             sides = [name for name in names if name in cut]
             if sides:
@@ -97,67 +98,72 @@ def find_cut_faces(scan: Scan, horizontal: Horizontal, patches: Patches, region:
     dict
         For each such surface, by its number, the directions of the plan, (2,), in which its cut faces look out.
     """
-    limits = _limits_of(scan, region)
+    limits = _limits_of(scan, horizontal.up, region)
     if not limits:
         return {}
     found: dict[int, tuple[Floats, ...]] = {}
     for number, surface in enumerate(patches.surfaces):
         own = scan.points[horizontal.point_ids[surface.rows]]
-        spacing_m = surface.spacing_m
-        cut = [face for limit in limits for face in _cut_faces(limit, horizontal.up, own, spacing_m)]
+        cut = [way for limit in limits for way in _cut_faces(limit, horizontal.up, own, surface.spacing_m)]
         if cut:
-            found[number] = tuple(sign * horizontal.level_from_scan[:2, axis] for axis, sign in cut)
+            found[number] = tuple(horizontal.level_from_scan[:2] @ way for way in cut)
     return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Limit:
-    """A box outside of which nothing is measured: ``bounds`` (2, 3) and the ``points`` (n, 3) that are known; local."""
+    """A ``box`` outside of which nothing is measured; the known ``points`` (n, 3) along its axes; local."""
 
     name: str
     short_name: str
-    bounds: Floats
+    box: TurnedBox
     points: Floats
 
 
-def _limits_of(scan: Scan, region: str) -> list[_Limit]:
+def _limits_of(scan: Scan, up: Up, region: str) -> list[_Limit]:
     """Return the region of interest and the box that was read of the file, those that there are."""
     limits = []
-    box = parse_region(region)
+    box = region_box(region, up, scan)
     if box is not None:
-        limits.append(_Limit("the region of interest", "region", np.array(box) - scan.origin_m, scan.points))
+        limits.append(_Limit("the region of interest", "region", box, box.coordinates(scan.points)))
     if scan.part is not None:
-        bounds = scan.part.box_m - scan.origin_m
-        limits.append(_Limit("the box of the file that was read", "box", bounds, scan.part.beyond_m))
+        low, high = scan.part.box_m - scan.origin_m
+        read = turned_box(low, high, up.vector, None)
+        limits.append(_Limit("the box of the file that was read", "box", read, scan.part.beyond_m))
     return limits
 
 
-def _cut_faces(limit: _Limit, up: Up, own: Floats, spacing_m: float) -> list[tuple[int, float]]:
-    """Return the upright faces of a box that cut through a surface: axis, and sign of the side they look out."""
+def _cut_faces(limit: _Limit, up: Up, own: Floats, spacing_m: float) -> list[Floats]:
+    """Return in which directions (3,), scan axes, the upright faces of a box look out that cut through a surface."""
+    box = limit.box
+    along_up, mine = box.coordinates(up.vector), box.coordinates(own)
     return [
-        (axis, sign)
+        sign * box.axes[axis]
         for axis in range(3)
-        for bound, sign in zip(limit.bounds[:, axis], (-1.0, 1.0), strict=True)
-        if abs(up.vector[axis]) < _UPRIGHT and _is_cut(limit.points, up, own, spacing_m, axis, float(bound), sign)
+        for bound, sign in zip(box.bounds[:, axis], (-1.0, 1.0), strict=True)
+        if abs(along_up[axis]) < _UPRIGHT and _is_cut(limit.points, along_up, mine, spacing_m, axis, float(bound), sign)
     ]
 
 
-def _sides_of(axis: int, sign: float, climb: Floats, left: Floats) -> list[str]:
-    """Return on which sides of a step a face of a box lies, as seen when climbing: on two where it runs aslant."""
-    ahead, aside = sign * float(climb[axis]), sign * float(left[axis])
+def _sides_of(way: Floats, climb: Floats, left: Floats) -> list[str]:
+    """Return on which sides of a step a face lies that looks out that way, as seen when climbing: two where aslant."""
+    ahead, aside = float(way @ climb), float(way @ left)
     sides = (("back", ahead), ("front", -ahead), ("left", aside), ("right", -aside))
     return [name for name, towards in sides if towards > _TOWARDS]
 
 
-def _is_cut(points: Floats, up: Up, own: Floats, spacing_m: float, axis: int, bound: float, sign: float) -> bool:
-    """Return whether a surface reaches a face of a box along an edge, and points (n, 3) go on behind it."""
+def _is_cut(points: Floats, up: Floats, own: Floats, spacing_m: float, axis: int, bound: float, sign: float) -> bool:
+    """Return whether a surface reaches a face of a box along an edge, and points (n, 3) go on behind it.
+
+    All along the axes of the box, ``up`` (3,) too.
+    """
     near_m = max(_AT_FACE_M, _AT_FACE_SPACINGS * spacing_m)
     at_face = own[np.abs(own[:, axis] - bound) <= near_m]
     if len(at_face) < _FEWEST_POINTS:
         return False
     face = np.zeros(3)
     face[axis] = 1.0
-    along = np.cross(up.vector, face)
+    along = np.cross(up, face)
     along /= np.linalg.norm(along)
     low, high = np.percentile(at_face @ along, [1.0, 99.0])
     # Of a step seen in part only a strip reaches the face; what touches it with a corner widens behind.
@@ -167,7 +173,7 @@ def _is_cut(points: Floats, up: Up, own: Floats, spacing_m: float, axis: int, bo
         return False
     beyond = sign * (points[:, axis] - bound)
     candidates = points[(beyond > 0.0) & (beyond <= max(_BEYOND_M, near_m))]
-    height_m = float(np.median(at_face @ up.vector))
+    height_m = float(np.median(at_face @ up))
     place = candidates @ along
-    is_near = (np.abs(candidates @ up.vector - height_m) <= _SAME_HEIGHT_M) & (place >= low) & (place <= high)
+    is_near = (np.abs(candidates @ up - height_m) <= _SAME_HEIGHT_M) & (place >= low) & (place <= high)
     return int(np.count_nonzero(is_near)) >= _GOES_ON_SHARE * len(at_face)

@@ -21,7 +21,7 @@ from stair_inspector.files.settings import (
     read_preset,
     settings_schema,
 )
-from stair_inspector.overrules import Force, OverrulesParams, parse_force, parse_region, with_decision
+from stair_inspector.overrules import Force, OverrulesParams, Region, parse_force, parse_region, with_decision
 from stair_inspector.params import GROUPS, SETTINGS, Params, UncertaintyParams
 from tests.synthetic import CHANGES
 from tests.write_schema import HOW, SCHEMA
@@ -168,7 +168,16 @@ def test_overrules_in_a_preset_file(tmp_path):
         Force("at", -1, (0.5, 1.2, 0.34), "landing"),
     )
     assert overrules.climb == "-x"
-    assert parse_region(overrules.region) == ((-1.0, -2.0, -3.0), (4.0, 5.0, 6.0))
+    assert parse_region(overrules.region) == Region((-1.0, -2.0, -3.0), (4.0, 5.0, 6.0))
+
+
+@pytest.mark.parametrize(
+    "text", ["1,2,3,4,5,6,7,8", "0,0,0,1,1,1,north", "0,0,0,1,1,1,361", "0,0,0,1,1,1,nan", "0,0,1,9"]
+)
+def test_a_region_that_cannot_be_is_a_sentence(text):
+    with pytest.raises(ConfigError, match=r"overrules.region: got .*; give "):
+        parse_region(text)
+    assert parse_region("0,0,0,1,1,1,-360") == Region((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), -360.0)
 
 
 def test_a_preset_file_of_ones_own(tmp_path):

@@ -418,6 +418,15 @@ def test_json_lists_what_the_inspector_decided_and_keeps_the_text():
     assert document["settings"]["overrules"] == dataclasses.asdict(OVERRULES)
 
 
+def test_json_has_the_bearing_of_a_region_that_is_turned(validator):
+    turned = dataclasses.replace(OVERRULES, region="-1,-2,-3,4,5,6,30.5")
+    inspection = surveyed()[1]
+    params = dataclasses.replace(inspection.params, overrules=turned)
+    document = document_of(dataclasses.replace(inspection, params=params))
+    assert document["overrules"][-1]["bearing_deg"] == 30.5
+    assert validator.is_valid(document)
+
+
 @pytest.mark.parametrize(
     ("overrules", "listed"),
     [

@@ -23,7 +23,7 @@ class SceneDrawing(PagePart):
         if what & {PageChange.SCAN, PageChange.CLOUD}:
             self._look.show_scan(shown)
         desk.stage.show_drawing(self._look.drawing(shown), desk.palette, desk.notices.guard(desk.select))
-        desk.stage.color_raw(shown.display.raw_colors(by_intensity=self._look.color_mode == "Intensity"))
+        desk.stage.color_raw(self._look.raw_colors(shown))
         if PageChange.SCAN in what:
             self._look.look("Home")
 

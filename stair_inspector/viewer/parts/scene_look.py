@@ -22,11 +22,12 @@ from stair_inspector.pictures.cameras import (
     step_frame,
     with_fov,
 )
-from stair_inspector.pictures.coloring import COLOR_MODES, ColorMode, color_points, crease_of, shade
+from stair_inspector.pictures.coloring import COLOR_MODES, ColorMode, color_points, crease_of, dimmed, shade
 from stair_inspector.pictures.display import MAX_POINTS, Display, choose_display
 from stair_inspector.pictures.frames import step_of
 from stair_inspector.pictures.legends import Legend
 from stair_inspector.pictures.segmentation import SegmentedScene, draw, is_left_hidden, view_from_local
+from stair_inspector.stages.orient import region_box
 from stair_inspector.viewer.parts.desk import Desk, Shown
 from stair_inspector.viewer.scene.framing import free_part, page_camera, place_camera, raised
 from stair_inspector.viewer.scene.stage import MODES
@@ -36,6 +37,8 @@ SMALLEST_POINT_MM, LARGEST_POINT_MM = 0.1, 100.0
 _LARGEST_DISC = 1.0 / 150.0
 """Largest diameter of a drawn point, as a share of the scan's diagonal: a wrong unit must not fill the screen."""
 _FEWEST_POINTS = 1000
+_GROUNDS = ((255, 255, 255), (26, 27, 30))
+"""Behind the scene, of the light and of the dark theme."""
 _USUAL_ASPECT = 1.5
 _MOST_AROUND = 2.0
 """A scan up to so many times as large as its stair is shown whole."""
@@ -142,10 +145,22 @@ class SceneLook:
             with_rejected=self._desk.with_rejected,
         )
         self.legend = coloring.legend
-        if not self.is_shaded or normals is None:
-            return coloring.colors
-        own = normals[display.point_ids]
-        return shade(coloring.colors, own, axes, self._creases(display, own))
+        colors = coloring.colors
+        if self.is_shaded and normals is not None:
+            own = normals[display.point_ids]
+            colors = shade(colors, own, axes, self._creases(display, own))
+        return self._dimmed_outside(shown, display, colors)
+
+    def raw_colors(self, shown: Shown) -> Colors:
+        """Return the colours of the raw cloud."""
+        colors = shown.display.raw_colors(by_intensity=self.color_mode == "Intensity")
+        return self._dimmed_outside(shown, shown.display, colors)
+
+    def _dimmed_outside(self, shown: Shown, display: Display, colors: Colors) -> Colors:
+        """Dim what lies outside of the region that the result was measured in."""
+        box = region_box(shown.inspection.params.overrules.region, shown.inspection.up, shown.scan)
+        ground = _GROUNDS[self._desk.is_dark]
+        return colors if box is None else dimmed(colors, ~box.holds(display.points), ground)
 
     def point_size_of(self, display: Display) -> float:
         """Return the diameter at which points look like a surface, metres."""

@@ -1,14 +1,17 @@
-"""The region of interest: a box in the scan's own axes, with handles in the scene and numbers on the page."""
+"""The region of interest: an upright box that follows the stair, with handles in the scene and numbers on the page."""
 
 import numpy as np
 import viser
 
-from stair_inspector.declarations import Box
 from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.overrules import parse_region
+from stair_inspector.geometry.boxes import bearing_of, box_around
+from stair_inspector.model import Inspection
+from stair_inspector.overrules import Region, parse_region, region_text
+from stair_inspector.stages.orient import region_box
 from stair_inspector.viewer.bridge.markup import aside
 from stair_inspector.viewer.parts.part import Context
+from stair_inspector.viewer.scene.nodes import quaternion
 
 REGION_TOOLS = ("Around the stair", "Whole scan")
 _EDGE_COLOR = (230, 60, 140)
@@ -16,6 +19,8 @@ _AROUND_M, _ABOVE_M = 1.0, 0.5
 """Room around the stair: without floor in front of it the first riser has no foot."""
 _EDGES = ((0, 1), (1, 3), (3, 2), (2, 0), (4, 5), (5, 7), (7, 6), (6, 4), (0, 4), (1, 5), (2, 6), (3, 7))
 """Pairs of the corners of a box that are joined; bit 2 of a corner's number is x, bit 1 y, bit 0 z."""
+_QUARTER_DEG = 90.0
+_ROOM_M = 0.01
 _LEAST_M = 0.002
 """A handle that was dragged onto another leaves so much of a box."""
 
@@ -29,7 +34,7 @@ class RegionTool:
         self._edges: viser.LineSegmentsHandle | None = None
         self._handles: list[viser.TransformControlsHandle] = []
         # The box that is drawn, metres in the scan's frame, and what the settings said when it was set by them.
-        self._box: Box | None = None
+        self._box: Region | None = None
         self._told: tuple[object, str] | None = None
         self._desk.stage.before_clear.append(self.clear)
         widgets = context.widgets
@@ -42,6 +47,14 @@ class RegionTool:
             self.low, self.high = (
                 widgets.vector(f"{which} corner [m]", (at, at, at), step=0.01, on_change=self.read_numbers)
                 for which, at in (("Low", 0.0), ("High", 1.0))
+            )
+            self.bearing = widgets.slider(
+                "Bearing [°]",
+                (-_QUARTER_DEG, _QUARTER_DEG),
+                0.1,
+                0.0,
+                hint="How far the box is turned about its middle and the vertical, from x towards y where z is up.",
+                on_change=self.read_numbers,
             )
             widgets.buttons("Set it", REGION_TOOLS, self.use_tool)
             widgets.button("Measure in the box", self.apply, icon=viser.Icon.BOX)
@@ -58,16 +71,13 @@ class RegionTool:
         one_of(option, REGION_TOOLS, "region")
         with self._desk.lock:
             shown = self._desk.result("region")
-            origin = shown.scan.origin_m
             if option == REGION_TOOLS[1]:
-                self._set_box(_box_of(shown.scan.points + origin))
+                self._set_box(_whole(shown.scan.points + shown.scan.origin_m))
                 self._apply("")
                 return
             if not shown.inspection.steps:
                 raise ConfigError("region: no steps were found to set the box around; move its handles instead")
-            corners = np.concatenate([step.corners for step in shown.inspection.steps]) + origin
-            upright = np.abs(shown.inspection.up.vector)
-            self._set_box(_box_of(corners, _AROUND_M + (_ABOVE_M - _AROUND_M) * upright))
+            self._set_box(region_around(shown.inspection))
             self.is_shown.value = True
             self.apply()
 
@@ -80,8 +90,8 @@ class RegionTool:
     def apply(self) -> None:
         """Measure inside the box alone."""
         with self._desk.lock:
-            low, high = self._box = _rounded(self._corners())
-            self._apply(",".join(repr(value) for value in (*low, *high)))
+            self._box = _rounded(self._corners())
+            self._apply(region_text(self._box))
             self.draw()
 
     def show(self) -> None:
@@ -97,7 +107,7 @@ class RegionTool:
             region = self._editor.work.params.overrules.region
             if self._told != (desk.frame, region):
                 self._told = (desk.frame, region)
-                self._set_box(parse_region(region) or _box_of(shown.scan.points + shown.scan.origin_m))
+                self._set_box(parse_region(region) or _whole(shown.scan.points + shown.scan.origin_m))
             self.draw()
 
     def clear(self) -> None:
@@ -115,33 +125,43 @@ class RegionTool:
         self.told.content = self._words()
         if shown is None or self._box is None or not self.is_shown.value:
             return
-        low, high = (np.array(corner) - shown.scan.origin_m for corner in self._box)
-        self._draw_edges(low, high)
-        size = max(0.2, 0.1 * float(np.linalg.norm(high - low)))
-        for name, corner in (("low", low), ("high", high)):
+        box = region_box(region_text(self._box), shown.inspection.up, shown.scan)
+        if box is None:
+            return
+        corners = box.corners()
+        self._draw_edges(corners)
+        size = max(0.2, 0.1 * float(np.linalg.norm(corners[-1] - corners[0])))
+        for name, corner in (("low", corners[0]), ("high", corners[-1])):
             handle = self._desk.client.scene.add_transform_controls(
-                f"/stair/region/{name}", scale=size, disable_rotations=True, disable_sliders=True, position=corner
+                f"/stair/region/{name}",
+                scale=size,
+                disable_rotations=True,
+                disable_sliders=True,
+                position=corner,
+                wxyz=quaternion(box.axes.T),
             )
             handle.on_update(self._desk.notices.guard(self._on_drag))
             self._handles.append(handle)
 
     def _on_drag(self, event: viser.TransformControlsEvent) -> None:
         with self._desk.lock:
-            shown = self._desk.shown
-            if shown is None or len(self._handles) != 2:
+            shown, region = self._desk.shown, self._box
+            if shown is None or region is None or len(self._handles) != 2:
                 return
-            places = np.array([handle.position for handle in self._handles]) + shown.scan.origin_m
-            low, high = places.min(axis=0), places.max(axis=0)
-            box = self._set_box(_box_of(np.array([low, np.maximum(high, low + _LEAST_M)]), 0.0))
-            self._draw_edges(*(np.array(corner) - shown.scan.origin_m for corner in box))
+            up, bearing = shown.inspection.up.vector, region.bearing_deg
+            places = np.array([handle.position for handle in self._handles])
+            low, high = box_around(places, np.zeros(3), up, bearing)
+            high = np.maximum(high, low + _LEAST_M)
+            origin = shown.scan.origin_m
+            box = self._set_box(_region(low + origin, high + origin, bearing))
+            drawn = region_box(region_text(box), shown.inspection.up, shown.scan)
+            if drawn is not None:
+                self._draw_edges(drawn.corners())
             if event.phase == "end":
                 self.apply()
 
-    def _draw_edges(self, low: Floats, high: Floats) -> None:
-        box = np.array(
-            [[(low, high)[k >> 2 & 1][0], (low, high)[k >> 1 & 1][1], (low, high)[k & 1][2]] for k in range(8)]
-        )
-        lines = np.array([[box[a], box[b]] for a, b in _EDGES], dtype=np.float32)
+    def _draw_edges(self, corners: Floats) -> None:
+        lines = np.array([[corners[a], corners[b]] for a, b in _EDGES], dtype=np.float32)
         self._edges = self._desk.client.scene.add_line_segments(
             "/stair/region/edges",
             lines,
@@ -150,11 +170,11 @@ class RegionTool:
             thickness_units="screen",
         )
 
-    def _set_box(self, box: Box) -> Box:
+    def _set_box(self, region: Region) -> Region:
         """Take a box, to the millimetre, and write its numbers."""
-        self._box = _rounded(box)
-        self.low.value, self.high.value = self._box
-        return self._box
+        self._box = box = _rounded(region)
+        self.low.value, self.high.value, self.bearing.value = box.low, box.high, box.bearing_deg or 0.0
+        return box
 
     def _words(self) -> str:
         in_force = parse_region(self._editor.work.params.overrules.region)
@@ -163,8 +183,8 @@ class RegionTool:
             words = "Measured: another box. Press Measure in the box for this one to count."
         return aside("region-told", words, "0 9px 6px")
 
-    def _corners(self) -> Box:
-        values = [*self.low.value, *self.high.value]
+    def _corners(self) -> Region:
+        values = [*self.low.value, *self.high.value, self.bearing.value]
         try:
             box = parse_region(",".join(repr(float(value)) for value in values))
         except (TypeError, ValueError) as error:
@@ -180,12 +200,39 @@ class RegionTool:
             self._editor.adjust(lambda params: params.replaced("overrules.region", region), "region of interest")
 
 
-def _rounded(box: Box) -> Box:
-    low, high = ((round(x, 3) + 0.0, round(y, 3) + 0.0, round(z, 3) + 0.0) for x, y, z in box)
-    return low, high
+def region_around(inspection: Inspection) -> Region:
+    """Return the box that lies along a staircase, with room around it; metres and axes of the scan's frame.
+
+    Its bearing is that of the flight along which the box is smallest in plan.
+
+    Parameters
+    ----------
+    inspection : Inspection
+        With steps.
+    """
+    up, origin = inspection.up.vector, inspection.scan.origin_m
+    corners = np.concatenate([step.corners for step in inspection.steps])
+    room = np.where(np.arange(3) == np.argmax(np.abs(up)), _ABOVE_M, _AROUND_M)
+    bearings = {bearing_of(flight.climb, up) for flight in inspection.flights} or {0.0}
+
+    def sized(bearing_deg: float) -> tuple[float, Region]:
+        low, high = box_around(corners, room, up, bearing_deg)
+        return float(np.prod(high - low)), _region(low + origin, high + origin, bearing_deg)
+
+    return _rounded(min((sized(bearing_deg) for bearing_deg in sorted(bearings)), key=lambda each: each[0])[1])
 
 
-def _box_of(points: Floats, around_m: Floats | float = 0.01) -> Box:
-    low, high = points.min(axis=0) - around_m, points.max(axis=0) + around_m
+def _rounded(region: Region) -> Region:
+    """Return a region to the millimetre, its bearing to the tenth of a degree, none where it is not turned."""
+    low, high = (tuple(round(value, 3) + 0.0 for value in corner) for corner in (region.low, region.high))
+    bearing = round(region.bearing_deg or 0.0, 1)
+    return _region(np.array(low), np.array(high), bearing or None)
+
+
+def _region(low: Floats, high: Floats, bearing_deg: float | None) -> Region:
     (x, y, z), (a, b, c) = (tuple(float(value) for value in corner) for corner in (low, high))
-    return (x, y, z), (a, b, c)
+    return Region((x, y, z), (a, b, c), bearing_deg)
+
+
+def _whole(points: Floats) -> Region:
+    return _region(points.min(axis=0) - _ROOM_M, points.max(axis=0) + _ROOM_M, None)
