@@ -19,7 +19,7 @@ class Axes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Extents:
-    """Depth and width coordinates of every level's points, each sorted ascending, local metres along the axes."""
+    """Depth and width coordinates of every level's points, in their order, local metres along the axes."""
 
     depth_m: tuple[Floats, ...]
     width_m: tuple[Floats, ...]

@@ -12,6 +12,7 @@ import numpy as np
 
 from stair_inspector import priors
 from stair_inspector.geometry.arrays import Floats
+from stair_inspector.geometry.percentiles import percentiles
 from stair_inspector.geometry.plan import left_of
 from stair_inspector.geometry.slots import Sides, find_slots
 from stair_inspector.model import Chain, HeightOrder, Horizontal, Note, Surface
@@ -70,8 +71,8 @@ def find_narrow_slot(
     left = left_of(climb)
     across = [left @ horizontal.coordinates_m[:2].take(surface.rows, axis=1) for surface in treads]
     # No tread may go on where another ends.
-    low = max(float(np.percentile(places, 0.5)) for places in across)
-    high = min(float(np.percentile(places, 99.5)) for places in across)
+    ends = [percentiles(places, 0.5, 99.5) for places in across]
+    low, high = max(each[0] for each in ends), min(each[1] for each in ends)
     if high - low < 2.0 * priors.NARROWEST_FLIGHT_M:
         return None
     together = np.concatenate(across)

@@ -7,7 +7,7 @@ import numpy as np
 
 from stair_inspector.geometry.arrays import Floats, Ints, freeze, own, project
 from stair_inspector.geometry.fits import PlaneFit, fit_plane_rows, principal_axis
-from stair_inspector.geometry.percentiles import percentile_of_sorted
+from stair_inspector.geometry.percentiles import percentiles
 from stair_inspector.geometry.plan import left_of
 from stair_inspector.model import Axes, Edges, Extents, Horizontal, Levels, NearestPoints, Note, Surfaces
 from stair_inspector.params import AxesRule, DisplayParams, EdgesParams, Method
@@ -113,13 +113,13 @@ def find_axes(horizontal: Horizontal, surfaces: Surfaces, rule: AxesRule, method
 
 
 def find_extents(horizontal: Horizontal, levels: Levels, axes: Axes) -> Extents:
-    """Project every step's points on the axes and sort: d_k and w_k (step 7 of the paper), metres, local."""
+    """Project every step's points on the axes: d_k and w_k (step 7 of the paper), metres, local."""
     plan = horizontal.level_from_scan[:2]
     depth, width = [], []
     for start, stop in zip(levels.start[1:], levels.stop[1:], strict=True):
         rows = horizontal.coordinates_m[:2, start:stop]
-        depth.append(freeze(np.sort(project(rows, plan @ axes.depth))))
-        width.append(freeze(np.sort(project(rows, plan @ axes.width))))
+        depth.append(freeze(project(rows, plan @ axes.depth)))
+        width.append(freeze(project(rows, plan @ axes.width)))
     return Extents(tuple(depth), tuple(width))
 
 
@@ -132,12 +132,9 @@ def place_edges(extents: Extents, params: EdgesParams) -> Edges:
         f_k = perc_alpha_f(d_k), b_k = perc_alpha_b(d_k); ``high_w`` and ``low_w`` the side percentile of w_k and its
         complement; metres, local, one per step.
     """
-    return Edges(
-        front=_percentiles(extents.depth_m, params.front_percentile),
-        back=_percentiles(extents.depth_m, params.back_percentile),
-        high_w=_percentiles(extents.width_m, params.side_percentile),
-        low_w=_percentiles(extents.width_m, 100.0 - params.side_percentile),
-    )
+    front, back = _percentiles(extents.depth_m, params.front_percentile, params.back_percentile)
+    high_w, low_w = _percentiles(extents.width_m, params.side_percentile, 100.0 - params.side_percentile)
+    return Edges(front, back, high_w, low_w)
 
 
 def find_nearest(horizontal: Horizontal, levels: Levels, surfaces: Surfaces, params: DisplayParams) -> NearestPoints:
@@ -172,8 +169,10 @@ def nearest_rows(horizontal: Horizontal, rows: Ints | slice, centre: Floats, wan
     return freeze(horizontal.point_ids[rows][few])
 
 
-def _percentiles(coordinates: tuple[Floats, ...], percent: float) -> tuple[float, ...]:
-    return tuple(percentile_of_sorted(values, percent) for values in coordinates)
+def _percentiles(coordinates: tuple[Floats, ...], first: float, second: float) -> list[tuple[float, ...]]:
+    """Return the first percentile of each step's coordinates, and the second of each."""
+    of_steps = [percentiles(values, first, second) for values in coordinates]
+    return [tuple(each[k] for each in of_steps) for k in (0, 1)]
 
 
 def _find_climb(surfaces: Surfaces, level_from_scan: Floats) -> tuple[Floats | None, Note | None]:
