@@ -177,5 +177,5 @@ def test_a_new_part_of_the_page_is_one_folder_and_one_line(tmp_path):
         text=True,
         timeout=300,
     )
-    tabs = ["Scan", "Tune", "Steps", "Checks", "Findings", "Look", "Greeting", "Export"]
+    tabs = ["Scan", "Tune", "Steps", "Checks", "Findings", "Look", "Greeting", "Compare", "Export"]
     assert (done.returncode, done.stdout.strip()) == (0, f"True {tabs}"), done.stderr

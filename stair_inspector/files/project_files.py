@@ -13,7 +13,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.atomic import write_atomically
 from stair_inspector.files.chosen_rules import ChosenRules
 from stair_inspector.files.chosen_rules_values import chosen_from_dict, chosen_to_dict
-from stair_inspector.files.projects import SUFFIX, KeptRun, Measurement, Project, SavedView, check_length
+from stair_inspector.files.projects import SUFFIX, KeptRun, Measurement, Project, SavedView, SecondScan, check_length
 from stair_inspector.files.settings import params_from_dict, params_to_dict
 from stair_inspector.files.toml import as_table
 from stair_inspector.params import Params
@@ -23,7 +23,7 @@ SCHEMA = "stair-inspector/project-1"
 LARGEST_BYTES = 20_000_000
 """A project is a few kilobytes, and some megabytes with the report's pictures; a larger file is something else."""
 _KEYS = ("schema", "software", "title", "scan", "settings", "measurements", "views", "runs")
-_LATER_KEYS = ("rules", "report", "findings")
+_LATER_KEYS = ("rules", "report", "findings", "second_scan")
 """Keys that files from before they existed do not have."""
 
 
@@ -47,6 +47,7 @@ def project_bytes(project: Project) -> bytes:
         "rules": chosen_to_dict(project.rules),
         "report": dict(project.report),
         "findings": dict(project.findings),
+        "second_scan": None if project.second is None else dataclasses.asdict(project.second),
     }
     text = json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     # A lone surrogate, as in a file name that is no UTF-8, is written as the escape that JSON has for it.
@@ -112,8 +113,8 @@ def parse_project(data: bytes, place: str) -> Project:
     ConfigError
         Too large, not JSON, of another schema, with an unknown or missing key (the nearest known name is given), or
         with a value that is not possible: one sentence that begins with ``place``. Settings that are not named have
-        their defaults, as in a preset, and so have rules, report and findings: a project from before they existed can
-        still be read.
+        their defaults, as in a preset, and so have rules, report, findings and the second scan: a project from before
+        they existed can still be read.
     """
     try:
         return _from_values(_parse_json(data))
@@ -167,6 +168,7 @@ def _from_values(values: Any) -> Project:
         rules=chosen_from_dict(values["rules"]) if "rules" in values else ChosenRules(),
         report=_to_plain(values.get("report", {}), "report"),
         findings=_to_plain(values.get("findings", {}), "findings"),
+        second=_to_second(values.get("second_scan")),
     )
 
 
@@ -189,6 +191,10 @@ def _read_list(
         except ConfigError as error:
             raise ConfigError(f"{place}: {str(error).removeprefix(': ')}") from error
     return tuple(made)
+
+
+def _to_second(values: Any) -> SecondScan | None:
+    return None if values is None else SecondScan(**as_table(values, "second_scan", _names_of(SecondScan)))
 
 
 def _to_plain(values: Any, place: str) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The inspector's work on one scan as one file: settings, measurements, views, runs, rules, report and findings.
+"""The inspector's work on one scan as one file: settings, measurements, views, runs, rules, report, findings, and more.
 
 The scan itself is never written: a project names it by its SHA-256, so that its numbers cannot be taken from another.
 """
@@ -83,6 +83,29 @@ class KeptRun:
 
 
 @dataclass(frozen=True, slots=True)
+class SecondScan:
+    """A second scan of the same stair: its path, the SHA-256 of its bytes when it was chosen, and which is earlier.
+
+    ``is_earlier`` tells that it was made before the scan of the project.
+    """
+
+    file: str
+    sha256: str
+    is_earlier: bool
+
+    def __post_init__(self) -> None:
+        _check_name(_spelt(self.file), "second_scan.file", longest=_LONGEST_FILE_NAME)
+        _check_sha256(self.sha256, "second_scan.sha256")
+        if not isinstance(self.is_earlier, bool):
+            raise ConfigError(f"second_scan.is_earlier: got {str(self.is_earlier)[:60]!r}; give true or false")
+
+    @property
+    def name(self) -> str:
+        """The name of its file."""
+        return Path(self.file).name or self.file
+
+
+@dataclass(frozen=True, slots=True)
 class Project:
     """Everything an inspector changed about one scan.
 
@@ -90,7 +113,7 @@ class Project:
     :class:`~stair_inspector.model.Scan`; ``params`` holds method, unit, up, region and overrules with the rest.
     ``rules`` are those that the inspection is held against. ``report`` is what the user gave for the report,
     ``findings`` pins and what was said of findings of the program: plain values, which ``basis_of`` and ``pinned_of``
-    of :mod:`stair_inspector.content.project_basis` read.
+    of :mod:`stair_inspector.content.project_basis` read. ``second`` is the scan with which this one is compared.
     """
 
     scan_file: str
@@ -103,13 +126,15 @@ class Project:
     rules: ChosenRules = dataclasses.field(default_factory=ChosenRules)
     report: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     findings: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    second: SecondScan | None = None
 
     def __post_init__(self) -> None:
         _check_name(_spelt(self.scan_file), "scan.file", longest=_LONGEST_FILE_NAME)
         if "/" in self.scan_file or self.scan_file in (".", ".."):
             raise ConfigError(f"scan.file: got {self.scan_file[:60]!r}; give the scan's file name without a folder")
-        if not isinstance(self.scan_sha256, str) or not _SHA256.fullmatch(self.scan_sha256):
-            raise ConfigError(f"scan.sha256: got {str(self.scan_sha256)[:80]!r}; give 64 digits 0-9, a-f")
+        _check_sha256(self.scan_sha256, "scan.sha256")
+        if self.second is not None and not isinstance(self.second, SecondScan):
+            raise ConfigError(f"second_scan: got {str(self.second)[:60]!r}; give a SecondScan or None")
         check_title(self.title)
         for field, kind in (("measurements", Measurement), ("views", SavedView), ("runs", KeptRun)):
             entries = tuple(getattr(self, field))
@@ -184,6 +209,11 @@ def _check_name(text: Any, what: str, *, may_be_empty: bool = False, longest: in
         raise ConfigError(f"{what}: {text[:60]!r} holds a control character, such as a line break; give one line")
     if not text.strip() and not may_be_empty:
         raise ConfigError(f"{what}: is empty; give a name")
+
+
+def _check_sha256(text: Any, what: str) -> None:
+    if not isinstance(text, str) or not _SHA256.fullmatch(text):
+        raise ConfigError(f"{what}: got {str(text)[:80]!r}; give 64 digits 0-9, a-f")
 
 
 def _spelt(file_name: Any) -> Any:

@@ -125,6 +125,6 @@ class ComparedScan:
         return step.before_id if self.is_earlier else step.after_id
 
     @property
-    def other(self) -> ScanSummary:
-        """The second scan."""
-        return self.found.after if self.is_earlier else self.found.before
+    def name(self) -> str:
+        """What this scan is called."""
+        return self.found.before.name if self.is_earlier else self.found.after.name

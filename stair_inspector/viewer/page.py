@@ -47,6 +47,7 @@ from stair_inspector.viewer.parts.look.part import LookPart
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.parts.scan.part import ScanPart
 from stair_inspector.viewer.parts.scene_look import SceneLook
+from stair_inspector.viewer.parts.second.part import SecondScanPart
 from stair_inspector.viewer.parts.steps.part import StepsPart
 from stair_inspector.viewer.parts.tune.part import TunePart
 from stair_inspector.viewer.scene.stage import Stage
@@ -68,6 +69,7 @@ PARTS: tuple[type[PagePart], ...] = (
     ChecksPart,
     FindingsPart,
     LookPart,
+    SecondScanPart,
     ExportPart,
     Foot,
 )

@@ -42,7 +42,7 @@ def column_names(page):
 
 
 def test_the_table_stands_below_the_scene_on_every_tab_with_room_for_eight_rows(page):
-    for tab in ("Scan", "Tune", "Steps", "Checks", "Findings", "Look", "Export"):
+    for tab in ("Scan", "Tune", "Steps", "Checks", "Findings", "Look", "Compare", "Export"):
         page.tab(tab)
         assert page.by_id("steps-table").is_visible()
     found = places(page)

@@ -2,7 +2,7 @@
 
 import pytest
 
-TABS = ("Scan", "Tune", "Steps", "Checks", "Findings", "Look", "Export")
+TABS = ("Scan", "Tune", "Steps", "Checks", "Findings", "Look", "Compare", "Export")
 _FAULTS = """() => {
     const panel = document.querySelector('[data-testid=scan]').getBoundingClientRect();
     const limit = document.documentElement.clientWidth;

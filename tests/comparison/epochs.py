@@ -21,9 +21,8 @@ def params(is_moved):
     return Params(unit="m", up=up, normals=NormalsParams(source="given"))
 
 
-@functools.cache
-def epoch(seed, is_changed=False, is_moved=True, rise=0.17, spacing=0.01):
-    """A scan with noise of 1 mm and its inspection; its treads are built in the stair frame, before it is moved."""
+def points_of(seed, is_changed=False, is_moved=True, rise=0.17, spacing=0.01):
+    """Points (n, 3) of the stair with noise of 1 mm, and their normals; it is built in its own frame, then moved."""
     stair = Stair(n_steps=LAST, rise=rise, spacing=spacing, risers=True, seed=seed)
     parts = [points.copy() for points, _ in stair.parts()]
     if is_changed:
@@ -39,8 +38,13 @@ def epoch(seed, is_changed=False, is_moved=True, rise=0.17, spacing=0.01):
     normals = np.concatenate([normals for _, normals in stair.parts()])
     points = np.concatenate(parts)
     points = points + np.random.default_rng(seed + 1000).normal(0.0, 0.001, points.shape)
-    if is_moved:
-        points, normals = points @ MOVED[:3, :3].T + MOVED[:3, 3], normals @ MOVED[:3, :3].T
+    return (points @ MOVED[:3, :3].T + MOVED[:3, 3], normals @ MOVED[:3, :3].T) if is_moved else (points, normals)
+
+
+@functools.cache
+def epoch(seed, is_changed=False, is_moved=True, rise=0.17, spacing=0.01):
+    """A scan and its inspection."""
+    points, normals = points_of(seed, is_changed, is_moved, rise, spacing)
     name = "later.ply" if is_moved else "earlier.ply"
     scan = make_scan(points, normals, name=name)
     return scan, inspect(scan, params(is_moved))

@@ -17,7 +17,7 @@ from stair_inspector.files import atomic
 from stair_inspector.files.chosen_rules import ChosenRules, RuleFile
 from stair_inspector.files.paths import static_configs
 from stair_inspector.files.project_files import LARGEST_BYTES, parse_project, project_bytes, read_project, save_project
-from stair_inspector.files.projects import KeptRun, Measurement, Project, SavedView, autosave_path
+from stair_inspector.files.projects import KeptRun, Measurement, Project, SavedView, SecondScan, autosave_path
 from stair_inspector.params import Params
 from tests.synthetic import CHANGES
 
@@ -49,6 +49,7 @@ FULL = Project(
         "checklist": {"lighting": "two lamps out"},
         "readings": [{"quantity": "rise", "value": 0.171, "step": 2, "line": "centre", "u": 0.0005}],
     },
+    second=SecondScan("/scans/Halle ß 2024.ply", SHA[::-1], is_earlier=True),
 )
 NAMES = st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), min_size=1, max_size=50).filter(
     lambda text: text.strip()
@@ -200,6 +201,10 @@ def test_saving_that_fails_leaves_the_old_project(tmp_path, monkeypatch):
         ({"settings__levels__epsm": 1}, "settings: [levels]: unknown key 'epsm'; did you mean 'eps_m'?"),
         ({"settings__levels__eps_m": 5}, "settings: levels.eps_m: got 5; give a value from 0.001 to 0.1"),
         ({"settings__overrules__force": "x"}, "settings: overrules.force: got 'x'; give entries such as"),
+        ({"second_scan": "a.ply"}, "second_scan: got 'a.ply'; give a table with file, sha256, is_earlier"),
+        ({"second_scan__file": ""}, "second_scan.file: is empty; give a name"),
+        ({"second_scan__sha256": "7"}, "second_scan.sha256: got '7'; give 64 digits 0-9, a-f"),
+        ({"second_scan__is_earlier": "yes"}, "second_scan.is_earlier: got 'yes'; give true or false"),
         ({"measurements": {}}, "measurements: got '{}'; give a list"),
         ({"measurements__1": 3}, "measurements, entry 2: got 3; give a table with name, points_m"),
         ({"measurements__0__nam": 3}, "measurements, entry 1: unknown key 'nam'; did you mean 'name'?"),

@@ -28,8 +28,11 @@ PHONE = (
 )
 """Where viser's panel is a sheet at the foot of the window it is as wide as that, and stair and table stand above it.
 What is dragged by a finger is wide enough for one."""
-NARROW_TABS = "<style>[data-dock-tab][role=tab]{padding:0 .42em!important}</style>"
-"""So that all tabs of the panel stand on one line."""
+NARROW_TABS = (
+    "<style>[data-dock-tab][role=tab]{padding:0 .5em!important}"
+    "[data-dock-tab][role=tab]>div{display:none!important}</style>"
+)
+"""So that all tabs of the panel stand on one line: their words say what they are."""
 CLEAR_OF_THE_SCROLLBAR = (
     "<style>.mantine-ScrollArea-viewport:has([data-testid=scan])>*{box-sizing:border-box;padding-right:8px}</style>"
 )

@@ -11,7 +11,7 @@ import viser
 from stair_inspector.errors import ConfigError, one_of
 from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.arrays import Floats
-from stair_inspector.model import HeightOrder, Inspection, Note, Scan
+from stair_inspector.model import ComparedScan, HeightOrder, Inspection, Note, Scan
 from stair_inspector.pictures.coloring import rejected_of
 from stair_inspector.pictures.display import Display
 from stair_inspector.pictures.frames import step_of
@@ -76,6 +76,8 @@ class Desk:
     is_closed: bool = False
     unsettled: tuple[Note, ...] = ()
     heights: HeightOrder | None = None
+    compared: ComparedScan | None = None
+    uncompared: str = ""
     marks: Mapping[int, StepMark] = field(default_factory=dict)
     with_rejected: bool = False
     with_paper: bool = False
@@ -114,6 +116,8 @@ class Desk:
 
     def show(self, shown: Shown) -> None:
         """Take another result, and drop what it no longer has of what was chosen; the lock is held."""
+        if self.inspection is not shown.inspection:
+            self.compared = None
         self.shown, self.unsettled = shown, ()
         if step_of(shown.inspection, self.selected) is None:
             self.selected = None
@@ -122,7 +126,7 @@ class Desk:
 
     def clear(self) -> None:
         """Forget the result of a scan that is no longer open; the lock is held."""
-        self.shown = self.selected = self.selected_patch = None
+        self.shown = self.selected = self.selected_patch = self.compared = None
         self.unsettled, self.table = (), replace(self.table, folded=frozenset())
 
     def select(self, step_id: int | None, patch_id: int | None = None) -> None:
@@ -205,6 +209,22 @@ class Desk:
         """Return the last good result with its notes as in :attr:`marked`, for files; raises as :meth:`result`."""
         shown = self.result(what)
         return replace(shown, inspection=self.marked or shown.inspection)
+
+    def compared_of(self, shown: Shown) -> ComparedScan | None:
+        """Return what changed against a second scan, None where that is of another result than this one."""
+        return self.compared if shown.inspection is self.inspection else None
+
+    def comparison(self, what: str) -> ComparedScan | None:
+        """Return what changed against a second scan, None where none was chosen.
+
+        Raises
+        ------
+        ConfigError
+            One was chosen, and what changed is not known; ``what`` names what needs it.
+        """
+        if self.compared is None and self.uncompared:
+            raise ConfigError(f"{what}: {self.uncompared}")
+        return self.compared
 
     def to_view(self, points: Floats) -> Floats:
         """Return places of the view for places of the scan's own frame, (..., 3) metres."""

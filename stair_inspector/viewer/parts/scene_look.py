@@ -143,6 +143,7 @@ class SceneLook:
             normals=normals,
             axes=axes,
             with_rejected=self._desk.with_rejected,
+            compared=self._desk.compared_of(shown),
         )
         self.legend = coloring.legend
         colors = coloring.colors

@@ -18,6 +18,8 @@ class PageChange(Enum):
     """Other points of the same scan are drawn."""
     COLORS = auto()
     """The same result is drawn in other colours, or with its rejected surfaces."""
+    COMPARED = auto()
+    """What changed against a second scan is known, or no longer, or why it is not."""
     SELECTION = auto()
     """Another step or surface is chosen, or none."""
     TABLE = auto()

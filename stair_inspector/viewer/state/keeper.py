@@ -191,6 +191,7 @@ class Keeper:
             rules=work.rules,
             report=basis_to_dict(work.basis),
             findings=pinned_to_dict(work.findings),
+            second=work.second,
         )
 
     def save(self) -> None:

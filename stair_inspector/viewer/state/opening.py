@@ -3,18 +3,21 @@
 import dataclasses
 import uuid
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import viser
 
 from stair_inspector.errors import ConfigError, ReadError
+from stair_inspector.files.projects import SecondScan
 from stair_inspector.overrules import OverrulesParams
+from stair_inspector.params import Params
 from stair_inspector.viewer.bridge.controls import SettingControls
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.bridge.widgets import File
 from stair_inspector.viewer.state.keeper import Keeper
 from stair_inspector.viewer.state.library import Library
 from stair_inspector.viewer.state.wishes import KeptWishes, OpenPage, Wish
-from stair_inspector.viewer.state.work import Arrival, Work, work_beside, work_of
+from stair_inspector.viewer.state.work import Arrival, Work, settings_beside, work_beside, work_of
 
 _BROWSER_KEY = "stair_inspector.browser"
 _SCAN_KEY = "stair_inspector.scan"
@@ -138,6 +141,33 @@ class Opening:
         """Return the names of the scans that can be chosen; a file that is gone stays on a page that has it open."""
         labels, label = self._library.labels(self._uploads), self._keeper.label
         return labels if label in labels else (*labels, label)
+
+    def path_of(self, label: str) -> Path:
+        """Return the file that a name in the list stands for.
+
+        Raises
+        ------
+        ConfigError
+            No scan has that name.
+        """
+        return self._library.path(label, self._uploads)
+
+    def label_of(self, second: SecondScan) -> str | None:
+        """Return the scan of the list that was chosen as a second one: that file, or one of its name; None for none.
+
+        Only what the server was started with, and uploads, can be opened: a project names its second scan by a path.
+        """
+        paths = {label: self.path_of(label) for label in self._library.labels(self._uploads)}
+        same = [label for label, path in paths.items() if str(path.absolute()) == second.file]
+        return next(iter(same or (label for label, path in paths.items() if path.name == second.name)), None)
+
+    def settings_of(self, label: str, params: Params) -> Params:
+        """Return the settings of the scan that is open for another one, which keeps what was said of it by itself."""
+        with self._keeper.lock:
+            bench = self._keeper.bench(label)
+            if bench is not None:
+                return settings_beside(params, bench.history.value.params)
+        return settings_beside(params, dataclasses.replace(self._started.params, overrules=OverrulesParams()))
 
     def changed_at(self, label: str) -> float | None:
         """Return when a scan's file was changed last, seconds since 1970; None where that cannot be told."""

@@ -10,7 +10,15 @@ from stair_inspector.content.fields import OF_THE_SURVEYOR, ReportBasis
 from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.project_basis import basis_of, pinned_of
 from stair_inspector.files.chosen_rules import ChosenRules
-from stair_inspector.files.projects import KeptRun, Measurement, Project, SavedView, check_entries, check_title
+from stair_inspector.files.projects import (
+    KeptRun,
+    Measurement,
+    Project,
+    SavedView,
+    SecondScan,
+    check_entries,
+    check_title,
+)
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.params import Params
 from stair_inspector.viewer.state.history import History
@@ -28,6 +36,7 @@ class Work:
     rules: ChosenRules = field(default_factory=ChosenRules)
     basis: ReportBasis = field(default_factory=ReportBasis)
     findings: PinnedFindings = field(default_factory=PinnedFindings)
+    second: SecondScan | None = None
 
     def __post_init__(self) -> None:
         check_title(self.title)
@@ -40,11 +49,9 @@ def work_beside(work: Work, started: Work) -> Work:
 
     Settings go on, the rule set with its overlays, decision rule and the user's own rule files, and of the report the
     surveyor, the firm, the instrument, the logo and the paper. All else belongs to the scan, as unit, columns, up and
-    overrules, or to the stair, as a limit that was changed for a reason.
+    overrules and the second scan, or to the stair, as a limit that was changed for a reason.
     """
-    params = dataclasses.replace(
-        work.params, up=started.params.up, overrules=OverrulesParams(), **started.params.reading._asdict()
-    )
+    params = settings_beside(work.params, dataclasses.replace(started.params, overrules=OverrulesParams()))
     fields = {name: getattr(work.basis.fields, name) for name in OF_THE_SURVEYOR}
     basis = dataclasses.replace(
         started.basis,
@@ -63,6 +70,11 @@ class Arrival:
     params: Params
 
 
+def settings_beside(params: Params, own: Params) -> Params:
+    """Return the settings of one scan for another, which has unit, columns, up and overrules of its own."""
+    return dataclasses.replace(params, up=own.up, overrules=own.overrules, **own.reading._asdict())
+
+
 class Changes(TypedDict, total=False):
     """Fields of :class:`Work` that are to be other ones."""
 
@@ -74,6 +86,7 @@ class Changes(TypedDict, total=False):
     rules: ChosenRules
     basis: ReportBasis
     findings: PinnedFindings
+    second: SecondScan | None
 
 
 @dataclass(slots=True)
@@ -120,4 +133,5 @@ def work_of(project: Project) -> Work:
         project.rules,
         basis_of(project),
         pinned_of(project),
+        project.second,
     )

@@ -310,7 +310,7 @@ def test_an_upload_that_is_no_scan_or_too_large_is_a_sentence(library, name, siz
 
 def test_a_project_holds_every_part_of_the_work():
     fields = {field.name for field in dataclasses.fields(Work)}
-    assert fields == {"params", "title", "measurements", "views", "runs", "rules", "basis", "findings"}
+    assert fields == {"params", "title", "measurements", "views", "runs", "rules", "basis", "findings", "second"}
 
 
 def test_the_project_of_a_page_is_the_file_that_measure_takes(keeper, tmp_path):

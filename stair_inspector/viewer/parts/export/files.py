@@ -98,9 +98,10 @@ class Downloads:
             shown, told = desk.result("export"), desk.result_to_send("export").inspection
             check = self._judge.checked() if kind in ("JSON", "BCF") else None
             pinned = self._editor.work.findings
+            compared = desk.comparison(kind) if kind == "JSON" else None
         make: dict[str, tuple[str, Callable[[Tell], bytes]]] = {
             "CSV": (".csv", lambda _: csv_bytes(told)),
-            "JSON": (".json", lambda _: json_bytes(told, check, pinned)),
+            "JSON": (".json", lambda _: json_bytes(told, check, pinned, compared)),
             "BCF": (
                 ".bcf",
                 lambda _: bcf_bytes(shown.scan, told, check, pinned, datetime.datetime.now().astimezone()),

@@ -11,7 +11,7 @@ from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.project_basis import titled
 from stair_inspector.content.short import LENGTHS, ReportLength
 from stair_inspector.errors import ConfigError, one_of
-from stair_inspector.model import Inspection
+from stair_inspector.model import ComparedScan, Inspection
 from stair_inspector.pictures.report_views import RenderedView
 from stair_inspector.viewer.compute.jobs import Tell
 from stair_inspector.viewer.parts.desk import Shown
@@ -48,6 +48,7 @@ class _Order:
     pinned: PinnedFindings
     made_at: datetime.datetime
     length: ReportLength
+    compared: ComparedScan | None
 
 
 class ReportMaker:
@@ -102,8 +103,9 @@ class ReportMaker:
             shown = self._desk.result_to_send("report")
             work = self._editor.work
             check = self._judge.checked()
+            compared = self._desk.comparison("report")
             basis = titled(work.basis, work.title)
-            return _Order(shown, check, basis, work.findings, datetime.datetime.now(), self._length)
+            return _Order(shown, check, basis, work.findings, datetime.datetime.now(), self._length, compared)
 
     def _made(self, kind: str, order: _Order, tell: Tell) -> bytes:
         if kind in DRAWINGS:
@@ -113,7 +115,7 @@ class ReportMaker:
         views = () if kind == "XLSX" else self._views_of(order, tell)
         tell("report: charts and drawings …", _VIEWS_PERCENT)
         document = make_report(
-            shown.scan, shown.inspection, order.basis, order.made_at, order.check, views, order.pinned
+            shown.scan, shown.inspection, order.basis, order.made_at, order.check, views, order.pinned, order.compared
         )
         told = dict(zip(DOCUMENTS, of_length(document, order.length).values(), strict=True))
         if kind in DOCUMENTS:
@@ -127,7 +129,7 @@ class ReportMaker:
         for suffix, data in drawing_bytes(shown.inspection, order.made_at).items():
             files[f"{stem}{suffix}"] = data
         files[f"{stem}.csv"] = csv_bytes(shown.inspection)
-        files[f"{stem}.json"] = json_bytes(shown.inspection, order.check, order.pinned)
+        files[f"{stem}.json"] = json_bytes(shown.inspection, order.check, order.pinned, order.compared)
         return zip_bytes(files, order.made_at)
 
     def _drawn(self, kind: str, order: _Order) -> bytes:

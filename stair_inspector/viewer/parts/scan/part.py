@@ -28,6 +28,7 @@ class ScanPart(PagePart):
             PageChange.RESULT,
             PageChange.SCAN,
             PageChange.CLOUD,
+            PageChange.COLORS,
             PageChange.SETTLED,
             PageChange.STATUS,
             PageChange.REST,
@@ -69,7 +70,7 @@ class ScanPart(PagePart):
             self.upright.show()
         if what & {PageChange.RESULT, PageChange.WORK, PageChange.SCAN}:
             self.station.show()
-        if what & {PageChange.SCAN, PageChange.CLOUD}:
+        if what & {PageChange.SCAN, PageChange.CLOUD, PageChange.COLORS}:
             self.points.show()
         if what & {PageChange.RESULT, PageChange.WORK, PageChange.SCAN, PageChange.STATUS}:
             self.scans.show()

@@ -17,7 +17,7 @@ class PointsFolder:
         self._redraws: Newest[None] = Newest(lambda _: redraw(), name=f"stair-points-{desk.client.client_id}")
         widgets = context.widgets
         with widgets.folder("Points"):
-            widgets.dropdown(
+            self._color = widgets.dropdown(
                 "Colour by",
                 COLOR_MODES,
                 hint="Of the segmented cloud, by intensity of the raw one too; see the legend.",
@@ -56,7 +56,8 @@ class PointsFolder:
         self._redraws.close()
 
     def show(self) -> None:
-        """Set the point size to that of the scene, as near as the slider's range allows."""
+        """Say what the colours tell, and set the point size to the scene's, as near as the slider's range allows."""
+        self._color.value = self._look.color_mode
         if self._desk.shown is None:
             return
         size_mm = round(self._desk.stage.point_size_m * 1000.0, 1)

@@ -35,6 +35,7 @@ class StepsPart(PagePart):
 
     def __init__(self, context: Context) -> None:
         self._desk = desk = context.desk
+        self._look = context.look
         widgets = context.widgets
         self.selected = widgets.dropdown(
             "Selected step",
@@ -142,9 +143,13 @@ class StepsPart(PagePart):
             lift_m = 2.0 * lift_of(shown.display.spacing_m, step.plane.rms_m)
             corners = step.corners + lift_m * inspection.up.vector
             dimensions = dimensions_of(inspection, step, lift_m, desk.unit)
+        points = points_of(inspection, shown.display, desk.selected, desk.selected_patch)
+        if self._look.color_mode == "Change":
+            # The colours of the chosen tread are what one looks for; its outline tells it.
+            points = points[:0]
         has_lines = dimensions is not None and len(dimensions.arrows) + len(dimensions.measuring) > 0
         desk.stage.highlight(
-            points_of(inspection, shown.display, desk.selected, desk.selected_patch),
+            points,
             corners,
             ground_of(desk.palette) if has_lines else HIGHLIGHT,
         )

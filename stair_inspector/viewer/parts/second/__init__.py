@@ -1,0 +1,1 @@
+"""A second scan of the stair beside the first: what changed between them."""
