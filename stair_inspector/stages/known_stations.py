@@ -17,8 +17,8 @@ _MOST_STATIONS = 16
 _CELL_M = 0.15
 _LEAST_M = 0.001
 """Stations nearer to each other stay: u of each level holds it."""
-MOST_APART_M = 0.022
-"""Farther apart it is asked: edges of treads, 25 to 40 mm thick, show two layers as well."""
+MOST_APART_M = 0.024
+"""Farther apart it is asked: edges of treads, 25 to 40 mm thick, show two layers as well, told to a millimetre."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ import numpy as np
 from stair_inspector.geometry.arrays import Bools, Floats, Ints, freeze
 from stair_inspector.geometry.percentiles import mad_sigma
 from stair_inspector.stages.layers import Cells
+from stair_inspector.stages.station_motion import OF_STEP
 
 LEAST_APART_M = 0.0045
 """What is less is left to the uncertainty of registration that the scanner's preset states."""
@@ -29,7 +30,8 @@ _FEWEST_PAIRED = 200.0
 """Weight of what lies on one cell both before and after: n1 n2 / (n1 + n2), added up over the cells."""
 _MOST_PARTS = 16
 _ONE_STATION = 0.3
-"""Parts of the order whose offsets differ by less than this share of the whole are of one station."""
+"""Parts of the order whose offsets differ by less than this share of the whole are of one station; coordinates
+on a step add half of one."""
 _LEAST_PART = 0.02
 """Share of the points below which a part tells nothing of how stations lie."""
 _MOST_UNTOLD = 0.06
@@ -72,7 +74,9 @@ class _Change:
     sure: float
 
 
-def find_order_shift(points: Floats, cells: Cells, ways: list[tuple[Floats, Ints]], stride: int) -> OrderShift | None:
+def find_order_shift(
+    points: Floats, cells: Cells, ways: list[tuple[Floats, Ints]], stride: int, rounded_m: float = 0.0
+) -> OrderShift | None:
     """Find where in the order of the points surfaces begin to lie elsewhere.
 
     Parameters
@@ -81,6 +85,8 @@ def find_order_shift(points: Floats, cells: Cells, ways: list[tuple[Floats, Ints
         In the order of the file.
     cells, ways, stride
         Of every ``stride``-th point; the ways as :func:`flat_ways` gives them.
+    rounded_m : float
+        Step of the coordinates, by half of which parts of one station may lie apart.
 
     Returns
     -------
@@ -101,7 +107,7 @@ def find_order_shift(points: Floats, cells: Cells, ways: list[tuple[Floats, Ints
         found = _change(row, 0, len(row.rows))
         if found is not None and (best is None or found.sure > best[0]):
             cuts = _cuts(row, 0, len(row.rows), _MOST_PARTS, _OF_LARGEST * found.apart_m)
-            shift = _grouped(points, stride, row, cuts, normal, noise_m)
+            shift = _grouped(points, stride, row, cuts, normal, noise_m, rounded_m)
             best = best if shift is None else (found.sure, shift)
     return None if best is None else best[1]
 
@@ -164,7 +170,13 @@ def _cuts(row: _Row, begin: int, end: int, most: int, least_m: float) -> list[_C
 
 
 def _grouped(
-    points: Floats, stride: int, row: _Row, cuts: list[_Change], normal: Floats, noise_m: float
+    points: Floats,
+    stride: int,
+    row: _Row,
+    cuts: list[_Change],
+    normal: Floats,
+    noise_m: float,
+    rounded_m: float,
 ) -> OrderShift | None:
     """Put the parts between cuts in two groups, by their offsets along the normal."""
     of = np.searchsorted(np.array([cut.first for cut in cuts]), np.arange(len(row.rows)), side="right")
@@ -191,6 +203,6 @@ def _grouped(
         of_point[begin:end] = is_low[part]
         begin = end
     of_point[begin:] = is_low[-1]
-    is_two = spread <= _ONE_STATION * float(ordered[widest + 1] - ordered[widest])
+    is_two = spread <= _ONE_STATION * float(ordered[widest + 1] - ordered[widest]) + OF_STEP * rounded_m
     is_told = n_untold <= _MOST_UNTOLD * len(points)
     return OrderShift(normal, freeze(of_point), is_two, is_told, noise_m)

@@ -25,7 +25,7 @@ _ALIKE, _MOST_ALIKE = 0.25, 0.75
 """Where means alone tell them, the distances of most planes are the same to this share."""
 _TURNED = 0.9
 """A turn is made where it leaves so much less between the stations."""
-_ON_STEPS, _OF_STEP = 1.05, 0.5
+_ON_STEPS, OF_STEP = 1.05, 0.5
 """Coordinates on a step lie on it or on the next, and a distance is off by half of one."""
 _UNTOLD = 0.05
 """Motions that the surfaces hold less firmly, as a share of the firmest, are not made."""
@@ -118,7 +118,7 @@ def _agreeing(apart_m: Floats, offset_m: Floats, u_m: float, rounded_m: float = 
     # The face of a nosing seen by one and that of the riser by the other are not one surface twice.
     if high - low > _MOST_SPREAD_M + _BEYOND * u_m + rounded_m:
         return None
-    middle, reach_m = 0.5 * (low + high), max(_BEYOND * max(high - low, 1e-4), _OF_STEP * rounded_m)
+    middle, reach_m = 0.5 * (low + high), max(_BEYOND * max(high - low, 1e-4), OF_STEP * rounded_m)
     near: Bools = np.abs(apart_m - middle) <= reach_m
     of_planes = _of_planes(apart_m, offset_m)
     is_shown = np.count_nonzero(np.abs(of_planes - middle) <= reach_m) >= FEWEST_PLANES

@@ -19,7 +19,7 @@ from stair_inspector.stages.looked_through import say_looked_through
 from stair_inspector.stages.order_shifts import LEAST_APART_M, find_order_shift, flat_ways
 from stair_inspector.stages.seen_through import with_sight
 from stair_inspector.stages.station_layers import FEWEST_LABELLED, is_along, tell_stations
-from stair_inspector.stages.station_motion import Motion, distance_apart, fit_motion
+from stair_inspector.stages.station_motion import OF_STEP, Motion, distance_apart, fit_motion
 
 _MOST_POINTS, _MOST_FOR_MEANS = 300_000, 100_000
 _NAME_CHARACTERS = 60
@@ -96,16 +96,18 @@ def _laid_by_means(scan: Scan, examined: Examination, *, is_left: bool) -> tuple
         laid = _laid(scan, examined, None, cut, None)
         if laid is not None:
             return laid
-    shift = find_order_shift(scan.points, cut.cells, cut.ways, cut.stride)
+    step_m = float(examined.steps_m.max())
+    shift = find_order_shift(scan.points, cut.cells, cut.ways, cut.stride, step_m)
     if shift is None:
         return scan, examined
     way = next(each for each in cut.ways if each[0] is shift.normal)
     is_low = shift.is_low[:: cut.stride][cut.cells.rows]
-    apart_m = distance_apart(cut.cells, way, is_low, float(examined.steps_m.max()))
+    apart_m = distance_apart(cut.cells, way, is_low, step_m)
     if apart_m is None or abs(apart_m) < LEAST_APART_M:
         return scan, examined
     # Layers farther apart than noise or rounding can fill would show: then it is two surfaces, no two stations.
-    if abs(apart_m) > max(_FILLED_SIGMAS * shift.noise_m, LEAST_STEPS * float(examined.steps_m.max())):
+    # Rounding moves the distance by half a step, too.
+    if abs(apart_m) > max(_FILLED_SIGMAS * shift.noise_m, (LEAST_STEPS + OF_STEP) * step_m):
         return scan, examined
     shifts_m = (apart_m * shift.normal)[None]
     is_shown = not is_left and shift.is_two and shift.is_told and not _is_told(scan)

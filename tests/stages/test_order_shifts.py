@@ -23,9 +23,9 @@ def level_points(offsets_m, sigma_m=0.005, seed=2):
     return points
 
 
-def shift_of(points, stride=1):
+def shift_of(points, stride=1, rounded_m=0.0):
     cells = Cells(points[::stride])
-    return find_order_shift(points, cells, flat_ways(cells), stride)
+    return find_order_shift(points, cells, flat_ways(cells), stride, rounded_m)
 
 
 @pytest.mark.parametrize(("apart_m", "stride"), [(0.006, 1), (0.012, 1), (-0.012, 2)])
@@ -45,6 +45,12 @@ def test_the_stations_between_are_found_too():
 
 def test_three_places_are_not_two():
     assert not shift_of(level_points((0.0, 0.01, 0.02))).is_two
+
+
+@pytest.mark.parametrize(("rounded_m", "is_two"), [(0.0, False), (0.0065, True)])
+def test_parts_of_one_station_may_lie_half_a_step_of_the_coordinates_apart(rounded_m, is_two):
+    found = shift_of(level_points((0.0, 0.005, 0.012)), rounded_m=rounded_m)
+    assert found.is_two == is_two
 
 
 @pytest.mark.parametrize("how", ["together", "two millimetres", "shuffled"])
