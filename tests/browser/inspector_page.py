@@ -8,6 +8,8 @@ import time
 import numpy as np
 from PIL import Image
 
+from stair_inspector.viewer.bridge.tour import SEEN_KEY
+
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 ARGUMENTS = (
     "--no-sandbox",
@@ -102,11 +104,13 @@ def share_changed(before, after):
 class InspectorPage:
     """One browser page of the inspector, with a browser profile of its own."""
 
-    def __init__(self, browser, port, width=1280, height=720, context=None, sharpness=SCENE_SHARPNESS):
+    def __init__(self, browser, port, width=1280, height=720, context=None, sharpness=SCENE_SHARPNESS, has_tour=False):
         self.context = context or browser.new_context(
             viewport={"width": width, "height": height}, accept_downloads=True
         )
         self.page = self.context.new_page()
+        if not has_tour:
+            self.page.add_init_script(f"localStorage.setItem({SEEN_KEY!r}, 'seen')")
         OPENED.append(self)
         self.page.set_default_timeout(SETTLE_MS)
         self.problems = []

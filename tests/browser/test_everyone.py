@@ -3,6 +3,7 @@
 import pytest
 
 from stair_inspector.files.palettes import read_palette
+from stair_inspector.viewer.bridge.tour import STOPS
 from tests.browser.inspector_page import share_of
 from tests.browser.test_layout import TABS
 
@@ -113,3 +114,42 @@ def test_colours_that_every_eye_tells_apart_are_chosen_on_the_scan_tab(page):
     finally:
         page.choose("Colours of steps", "the page's")
     page.tab("Tune")
+
+
+_COVERED = """() => {
+    const card = document.querySelector('[data-testid=tour]').getBoundingClientRect();
+    const of = [...document.querySelectorAll('*')].find((each) => each.style?.outline.startsWith('3px'));
+    const box = of.getBoundingClientRect();
+    const isBeside = card.right <= box.left || box.right <= card.left;
+    const isApart = isBeside || card.bottom <= box.top || box.bottom <= card.top;
+    const isIn = card.left >= 0 && card.top >= 0 && card.right <= innerWidth && card.bottom <= innerHeight;
+    return !isApart || !isIn;
+}"""
+"""Whether the card of the tour covers what it speaks of, or reaches out of the window."""
+
+
+@pytest.mark.slow
+def test_the_tour_is_for_the_first_opening_goes_by_keys_and_covers_nothing_that_it_speaks_of(open_page):
+    page = open_page(has_tour=True)
+    card = page.by_id("tour")
+    card.wait_for()
+    assert faults(page) == []
+    # Other tabs were opened meanwhile, as tests do first.
+    card.get_by_role("button", name="Next").focus()
+    for number in range(1, len(STOPS) + 1):
+        assert f"{number} of {len(STOPS)}" in card.inner_text()
+        assert not page.page.evaluate(_COVERED), number
+        page.page.keyboard.press("Enter")
+    card.wait_for(state="detached")
+    page.page.reload()
+    page.await_result()
+    page.page.wait_for_function("() => window.__stairInspectorTour")
+    page.hotkey("h")
+    # By now it would have begun: the card of help stands over the page.
+    page.by_id("tour-again").wait_for()
+    assert card.count() == 0
+    page.by_id("tour-again").click()
+    card.wait_for()
+    page.by_id("help").wait_for(state="detached")
+    page.page.keyboard.press("Escape")
+    card.wait_for(state="detached")

@@ -8,6 +8,7 @@ import viser
 
 from stair_inspector.viewer.bridge.cards import Card
 from stair_inspector.viewer.bridge.markup import DIM, LINE, script_html, text
+from stair_inspector.viewer.bridge.tour import tour_button_html
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +40,7 @@ _OTHERS = (
 )
 
 
+_HEAD = "cursor:pointer;font-weight:600;padding:2px 0"
 _WIDE_CARD = (
     "<style>.mantine-Modal-content:has([data-testid=help])"
     "{flex:0 0 auto !important;width:min(900px,calc(100vw - 40px));max-height:calc(100vh - 20px) !important}</style>"
@@ -82,8 +84,8 @@ def key_words(command: Command) -> str:
     return f"{_KEY_WORDS.get(command.modifier, command.modifier)}+{key}" if command.modifier else key
 
 
-def help_html(commands: tuple[Command, ...]) -> str:
-    """Return the help card: every key with what it does, and what the mouse does."""
+def help_html(commands: tuple[Command, ...], glossary: str) -> str:
+    """Return the help card: the tour, what is measured (HTML), every key with what it does, and what the mouse does."""
     keys = [(key_words(command), command.label) for command in commands if command.key]
     keys.append(("Ctrl+K", "Find a command by its name"))
     rows = "".join(
@@ -93,10 +95,14 @@ def help_html(commands: tuple[Command, ...]) -> str:
         for key, words in (*keys, *_OTHERS)
     )
     return (
-        f"{_WIDE_CARD}"
-        f'<div data-testid="help" style="font-size:12.5px;line-height:1.45;columns:17em;column-gap:24px">{rows}</div>'
-        f'<div style="font-size:12px;color:{DIM};padding:8px 0">Keys do nothing while you type in a field. '
-        "θ_th, ε_z, m, α_f, α_b and k are the paper's symbols; rest on a control's name to read what it does.</div>"
+        f'{_WIDE_CARD}<div data-testid="help" style="font-size:12.5px;line-height:1.45">'
+        f"{tour_button_html('Tour of the page')} "
+        f'<span style="color:{DIM}">Rest on the name of a control to read what it does.</span>'
+        f'<details style="margin:8px 0"><summary style="{_HEAD}">What is measured: drawing and glossary</summary>'
+        f'{glossary}</details><details open><summary style="{_HEAD}">Keys and mouse</summary>'
+        f'<div style="columns:17em;column-gap:24px">{rows}</div>'
+        f'<div style="font-size:12px;color:{DIM};padding:8px 0">Keys do nothing while you type in a field.</div>'
+        "</details></div>"
     )
 
 
@@ -104,12 +110,12 @@ class HelpCard(Card):
     """The help card of one page; there is at most one."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
-        super().__init__(gui, "Keys and mouse")
+        super().__init__(gui, "Help")
 
-    def switch(self, commands: tuple[Command, ...]) -> None:
-        """Open the card, or close it where it is open."""
+    def switch(self, commands: tuple[Command, ...], glossary: str) -> None:
+        """Open the card, or close it where it is open; ``glossary`` is HTML."""
         if not self.close():
-            self.fill(lambda: self._gui.add_html(help_html(commands)))
+            self.fill(lambda: self._gui.add_html(help_html(commands, glossary)))
 
 
 def _calling(action: Callable[[], None]) -> Callable[[object], None]:

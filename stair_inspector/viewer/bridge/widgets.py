@@ -188,10 +188,11 @@ class Widgets:
         value: tuple[float, float, float],
         *,
         step: float,
+        hint: str | None = None,
         on_change: Callable[[tuple[float, float, float]], None] | None = None,
     ) -> Vector:
         """Add three numbers."""
-        return self._watched(cast(Vector, self.gui.add_vector3(label, value, step=step)), on_change)
+        return self._watched(cast(Vector, self.gui.add_vector3(label, value, step=step, hint=hint)), on_change)
 
     def button(
         self,

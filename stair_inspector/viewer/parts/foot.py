@@ -2,6 +2,7 @@
 
 from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.parts.details_html import details_html, notes_html
+from stair_inspector.viewer.parts.glossary_html import glossary_html
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.state.change import PageChange
 
@@ -44,4 +45,4 @@ class Foot(PagePart):
         )
 
     def _switch_help(self) -> None:
-        self._context.help.switch(self._context.commands())
+        self._context.help.switch(self._context.commands(), glossary_html())

@@ -11,10 +11,12 @@ from stair_inspector.viewer.bridge.names import names_html
 from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_html
 from stair_inspector.viewer.bridge.shortcuts import keys_html
 from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR, PHONE, READABLE
+from stair_inspector.viewer.bridge.tour import tour_html
 from stair_inspector.viewer.bridge.two_views import Arrangement, two_views_html
 from stair_inspector.viewer.parts.came_along import CameAlong
 from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import headline_html
+from stair_inspector.viewer.parts.glossary_html import glossary_html
 from stair_inspector.viewer.parts.part import Context, PagePart
 from stair_inspector.viewer.parts.status_html import header_html, state_html
 from stair_inspector.viewer.scene.legends import colour_legend_html, legend_html
@@ -42,7 +44,7 @@ class Frame(PagePart):
         gui.set_panel_label("stair_inspector")
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        widgets.html(keys_html() + names_html() + CLEAR_OF_THE_SCROLLBAR + READABLE + PHONE)
+        widgets.html(keys_html() + names_html() + tour_html() + CLEAR_OF_THE_SCROLLBAR + READABLE + PHONE)
         self._title = widgets.html()
         self.toolbar = widgets.html()
         self.legend = widgets.html()
@@ -52,9 +54,16 @@ class Frame(PagePart):
         self.examination = widgets.html()
         self._came_along = CameAlong(context)
         # The button on the line of the state writes here.
-        self._cancel = widgets.button("Cancel", context.cancel, is_visible=False)
+        self._cancel = widgets.button(
+            "Cancel", context.cancel, hint="Stops what is computed or made.", is_visible=False
+        )
         self._run = widgets.button(
-            "Run again", context.editor.submit, icon=viser.Icon.PLAYER_PLAY, is_quiet=True, is_visible=False
+            "Run again",
+            context.editor.submit,
+            icon=viser.Icon.PLAYER_PLAY,
+            hint="Measures once more with the settings as they are. Key R.",
+            is_quiet=True,
+            is_visible=False,
         )
         self._cures = Cures(context)
         self._orders = widgets.orders("Toolbar", self.obey)
@@ -94,7 +103,7 @@ class Frame(PagePart):
         elif word == "theme":
             desk.set_theme(not desk.is_dark)
         elif word == "help":
-            self._context.help.switch(self._context.commands())
+            self._context.help.switch(self._context.commands(), glossary_html())
         else:
             raise ConfigError(f"toolbar: got {str(message)[:40]!r}; press one of its buttons")
 
@@ -158,7 +167,7 @@ class Frame(PagePart):
                 tuple(Tool(unit, f"Lengths in {unit} (key U)", f"unit {unit}", unit == desk.unit) for unit in UNITS),
                 (
                     Tool("Light" if desk.is_dark else "Dark", "Light or dark theme (key T)", "theme"),
-                    Tool("Help", "Keys and mouse (key H)", "help"),
+                    Tool("Help", "Tour, drawing of a step, glossary, keys (key H)", "help"),
                 ),
             ),
         )

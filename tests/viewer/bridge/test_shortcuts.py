@@ -13,7 +13,7 @@ def test_no_key_has_two_meanings_and_no_two_commands_the_same_name(session):
 
 
 def test_the_help_card_lists_every_key_with_what_it_does(session):
-    card = help_html(session.commands())
+    card = help_html(session.commands(), "")
     for command in session.commands():
         if command.key:
             assert f">{key_words(command)}</kbd>" in card

@@ -32,16 +32,28 @@ class LimitForm:
                 "Rule", (_NO_RULE,), hint="A click on a result chooses its rule.", on_change=self.choose_rule
             )
             self.side = widgets.dropdown(
-                "Side", tuple(SIDES), chosen="maximum", on_change=lambda _: self.choose_rule(self.rule.value)
+                "Side",
+                tuple(SIDES),
+                chosen="maximum",
+                hint="Which of the rule's limits is changed.",
+                on_change=lambda _: self.choose_rule(self.rule.value),
             )
             self.limit = widgets.text(
                 "New limit", hint="With its unit: 7 3/4 in, 180 mm, 42°, 2 % or 1:48. Empty takes it away."
             )
             self.reason = widgets.text("Why", hint="In one line; it is kept with the change and stands in the report.")
-            self._change = widgets.button(CHANGE, self.edit, icon=viser.Icon.PENCIL)
+            self._change = widgets.button(
+                CHANGE, self.edit, icon=viser.Icon.PENCIL, hint="Of this scan's check; marked as edited everywhere."
+            )
             self.edits = widgets.html()
             self._reverts = tuple(
-                widgets.button(f"As in the file: {which}", action, icon=viser.Icon.RESTORE, is_quiet=True)
+                widgets.button(
+                    f"As in the file: {which}",
+                    action,
+                    icon=viser.Icon.RESTORE,
+                    hint="Takes the changes of limits back.",
+                    is_quiet=True,
+                )
                 for which, action in (("this rule", self.revert), ("all rules", self.revert_all))
             )
 

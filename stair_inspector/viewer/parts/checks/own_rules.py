@@ -36,7 +36,13 @@ class OwnRules:
                 icon=viser.Icon.DOWNLOAD,
                 hint="To copy, change and load; without changes.",
             )
-            widgets.button("Forget this own set", self.forget_file, icon=viser.Icon.TRASH, is_quiet=True)
+            widgets.button(
+                "Forget this own set",
+                self.forget_file,
+                icon=viser.Icon.TRASH,
+                hint="Takes the chosen file of your own out of the menu; can be undone.",
+                is_quiet=True,
+            )
 
     def take_file(self, upload: File) -> None:
         """Keep a user's own rule file and choose its set; a file of the same id takes the place of the old one."""

@@ -70,7 +70,7 @@ class Downloads:
         widgets = self._widgets
         with widgets.folder("Pictures"):
             self.view = widgets.dropdown("View", (CURRENT_VIEW, *VIEWS), hint="What the picture shows.")
-            self.ground = widgets.dropdown("Background", BACKGROUNDS)
+            self.ground = widgets.dropdown("Background", BACKGROUNDS, hint="Behind the scene in the picture.")
             self.size = widgets.dropdown(
                 "Size",
                 tuple(SIZES),

@@ -68,7 +68,7 @@ class ReportMaker:
             icon=viser.Icon.FILE_ZIP,
             hint="PDF, HTML page, XLSX workbook, CSV, JSON, plan and section as DXF, in one ZIP.",
         )
-        widgets.buttons("Or one of", DOCUMENTS, self.make)
+        widgets.buttons("Or one of", DOCUMENTS, self.make, hint="The same content; the workbook has every table.")
         self.length = widgets.choice(
             "Length",
             tuple(each.capitalize() for each in LENGTHS),

@@ -39,6 +39,11 @@ _PICTURES = ".png,.jpg,.jpeg"
 _LISTS = {DELETE: ("readings", "reading"), DELETE_PHOTO: ("photos", "photograph")}
 """What the first word of an order means: a list of the report's basis, and what one of it is called."""
 _ANGLE_UNITS = ("deg", "%")
+_SAID: dict[FormPart, str] = {
+    "fields": "Stands in the report as it is written here.",
+    "checklist": "What was seen on site; where it is empty the report says that it was not assessed.",
+}
+"""Of a text that has no hint of its own."""
 _ELSEWHERE = ("title",)
 """The title of the inspection stands above, and is that of the report."""
 
@@ -55,7 +60,7 @@ class ReportForm:
         widgets = context.widgets
         with widgets.folder("Report and drawings"):
             self.maker = ReportMaker(context)
-            self.paper = widgets.dropdown("Paper", tuple(PAPERS), on_change=self.set_paper)
+            self.paper = widgets.dropdown("Paper", tuple(PAPERS), hint="Of PDF and drawings.", on_change=self.set_paper)
             with widgets.folder("Who, where, with what", is_open=False):
                 for title, names in FIELD_GROUPS.items():
                     own = [name for name in names if name not in _ELSEWHERE]
@@ -75,7 +80,13 @@ class ReportForm:
                 self.load_logo = widgets.upload(
                     "Load a logo", _PICTURES, self.take_logo, icon=viser.Icon.PHOTO, hint="PNG or JPEG."
                 )
-                widgets.button("Remove the logo", self.remove_logo, icon=viser.Icon.TRASH, is_quiet=True)
+                widgets.button(
+                    "Remove the logo",
+                    self.remove_logo,
+                    icon=viser.Icon.TRASH,
+                    hint="Reports are made without one then.",
+                    is_quiet=True,
+                )
             self._orders = widgets.orders("Order", self.obey)
 
     def show(self) -> None:
@@ -241,14 +252,21 @@ class ReportForm:
             self._texts[part, name] = widgets.text(
                 kind.label_of(name),
                 is_multiline=kind.kind_of(name) == "lines",
-                hint=kind.hint_of(name) or None,
+                hint=kind.hint_of(name) or _SAID[part],
                 on_change=partial(self.set_text, part, name),
             )
 
     def _add_readings(self, widgets: Widgets) -> None:
         self.readings = widgets.html()
-        self.place = widgets.dropdown("At", (NO_PLACE,), on_change=self._fit_menus)
-        self.quantity = widgets.dropdown("What is read", tuple(READING_QUANTITIES["step"]), on_change=self._fit_menus)
+        self.place = widgets.dropdown(
+            "At", (NO_PLACE,), hint="The step or flight that was read.", on_change=self._fit_menus
+        )
+        self.quantity = widgets.dropdown(
+            "What is read",
+            tuple(READING_QUANTITIES["step"]),
+            hint="The same quantity of the scan stands beside it.",
+            on_change=self._fit_menus,
+        )
         self.value = widgets.text(
             "Reading", hint="A number or a fraction: 170.5, or 6 11/16. A unit behind it counts: 6 11/16 in."
         )
@@ -260,5 +278,7 @@ class ReportForm:
             "On the line", get_args(Line), chosen="centre", hint="Of a rise or going, as seen when climbing."
         )
         self.instrument = widgets.text("Instrument", hint="Tape, digital level, with its number.")
-        self.note = widgets.text("Note")
-        widgets.button("Add the reading", self.add_reading, icon=viser.Icon.PLUS)
+        self.note = widgets.text("Note", hint="Stands beside the reading in the report.")
+        widgets.button(
+            "Add the reading", self.add_reading, icon=viser.Icon.PLUS, hint="To the list above and the report."
+        )

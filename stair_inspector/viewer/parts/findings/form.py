@@ -54,7 +54,9 @@ class FindingForm:
         widgets = context.widgets
         self._head = widgets.html()
         self.words = widgets.text("Words", is_multiline=True, hint="What was found; of the program's, your remark.")
-        self.severity = widgets.dropdown("Severity", PIN_SEVERITIES, chosen="minor")
+        self.severity = widgets.dropdown(
+            "Severity", PIN_SEVERITIES, chosen="minor", hint="Of the finding, in list, report and BCF."
+        )
         self.who = widgets.text("By", hint="Your name; empty for the inspector of the report.")
         self.pick = widgets.button(
             "Pick a point", self.start_picking, icon=viser.Icon.CURRENT_LOCATION, hint="Then shift-click it. Key I."
@@ -67,8 +69,12 @@ class FindingForm:
             hint="PNG or JPEG, kept small. The place and time that cameras hide in it are left out.",
         )
         self._told = widgets.html()
-        self.keep = widgets.button(_SET, self.submit, icon=viser.Icon.FLAG)
-        self.leave = widgets.button("Back to a new pin", leave, is_quiet=True, is_visible=False)
+        self.keep = widgets.button(
+            _SET, self.submit, icon=viser.Icon.FLAG, hint="Keeps what is written here with the project."
+        )
+        self.leave = widgets.button(
+            "Back to a new pin", leave, hint="Leaves the chosen finding as it is.", is_quiet=True, is_visible=False
+        )
 
     # What a person asks for.
 

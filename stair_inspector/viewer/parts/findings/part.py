@@ -42,7 +42,9 @@ class FindingsPart(PagePart):
         self._key = ""
         self.listed: tuple[ListedFinding, ...] = ()
         widgets = context.widgets
-        self._choice = widgets.choice("List", _FILTERS, self._filter, self.set_filter)
+        self._choice = widgets.choice(
+            "List", _FILTERS, self._filter, self.set_filter, hint="Those that are open, or also those that are done."
+        )
         self.list = widgets.html()
         self._orders = widgets.orders("Finding order", self.obey)
         with widgets.folder("Pin or remark"):

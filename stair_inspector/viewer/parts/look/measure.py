@@ -52,9 +52,9 @@ class MeasureTool:
         self._list = widgets.html()
         self._orders = widgets.orders("Measurement order", self.obey)
         with widgets.folder("Rename", is_open=False):
-            self._which = widgets.dropdown("Which one", (_NOBODY,))
-            self._name = widgets.text("New name")
-            widgets.button("Rename it", self.rename, icon=viser.Icon.PENCIL)
+            self._which = widgets.dropdown("Which one", (_NOBODY,), hint="The measurement that gets the name.")
+            self._name = widgets.text("New name", hint="One line; no two have the same.")
+            widgets.button("Rename it", self.rename, icon=viser.Icon.PENCIL, hint="In scene, list and project.")
         desk.client.scene.on_click(modifier="shift")(desk.notices.guard(self._on_click))
 
     def set_mode(self, option: str) -> None:

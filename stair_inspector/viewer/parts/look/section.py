@@ -51,6 +51,7 @@ class SectionTool:
             tuple(each.capitalize() for each in DIRECTIONS),
             self._direction.capitalize(),
             self.set_direction,
+            hint="Along the climb, or across it.",
         )
         self._place = widgets.slider(
             "Place [mm]",
@@ -60,8 +61,20 @@ class SectionTool:
             hint="From the middle of the stair, or of the chosen step.",
             on_change=self._move,
         )
-        self._thickness = widgets.slider("Thickness [mm]", (2.0, 500.0), 1.0, _USUAL_THICKNESS_MM, on_change=self._move)
-        widgets.buttons("Section view", (_LOOK, _ENLARGE, _SAVE), self._do)
+        self._thickness = widgets.slider(
+            "Thickness [mm]",
+            (2.0, 500.0),
+            1.0,
+            _USUAL_THICKNESS_MM,
+            hint="Of the slice of points that is shown.",
+            on_change=self._move,
+        )
+        widgets.buttons(
+            "Section view",
+            (_LOOK, _ENLARGE, _SAVE),
+            self._do,
+            hint="Stand square to it, see it large, or take its points along.",
+        )
         self._plot = widgets.html()
 
     def close(self) -> None:

@@ -35,7 +35,9 @@ class ViewTool:
         self._ortho = widgets.checkbox("Orthographic", hint=hint, on_change=self._look.set_ortho)
         with widgets.folder("My views", is_open=False):
             self._name = widgets.text("View name", hint="What the view is kept under.")
-            widgets.button("Keep this view", self.keep, icon=viser.Icon.BOOKMARK)
+            widgets.button(
+                "Keep this view", self.keep, icon=viser.Icon.BOOKMARK, hint="With the project, to go back to it. Key V."
+            )
             self._list = widgets.html()
             self._orders = widgets.orders("View order", self.obey)
 

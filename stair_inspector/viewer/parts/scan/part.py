@@ -49,7 +49,13 @@ class ScanPart(PagePart):
             icon=viser.Icon.UPLOAD,
             hint="Kept until the server ends; only this browser sees it.",
         )
-        widgets.button("Look for new scans", self.look_for_scans, icon=viser.Icon.REFRESH, is_quiet=True)
+        widgets.button(
+            "Look for new scans",
+            self.look_for_scans,
+            icon=viser.Icon.REFRESH,
+            hint="Lists what has come into the folders since.",
+            is_quiet=True,
+        )
         controls.add_choice("method")
         controls.add_choice("unit")
         self.columns = ColumnsTool(context)

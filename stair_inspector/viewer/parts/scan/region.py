@@ -45,8 +45,11 @@ class RegionTool:
                 on_change=self.set_shown,
             )
             self.low, self.high = (
-                widgets.vector(f"{which} corner [m]", (at, at, at), step=0.01, on_change=self.read_numbers)
-                for which, at in (("Low", 0.0), ("High", 1.0))
+                widgets.vector(f"{which} corner [m]", (at, at, at), step=0.01, hint=hint, on_change=self.read_numbers)
+                for which, at, hint in (
+                    ("Low", 0.0, "Least x, y and z of the box, in the scan's frame."),
+                    ("High", 1.0, "Largest x, y and z of the box."),
+                )
             )
             self.bearing = widgets.slider(
                 "Bearing [°]",
@@ -56,8 +59,12 @@ class RegionTool:
                 hint="How far the box is turned about its middle and the vertical, from x towards y where z is up.",
                 on_change=self.read_numbers,
             )
-            widgets.buttons("Set it", REGION_TOOLS, self.use_tool)
-            widgets.button("Measure in the box", self.apply, icon=viser.Icon.BOX)
+            widgets.buttons(
+                "Set it", REGION_TOOLS, self.use_tool, hint="Along the stair with a metre around it; or no box at all."
+            )
+            widgets.button(
+                "Measure in the box", self.apply, icon=viser.Icon.BOX, hint="What lies outside counts no more."
+            )
             self.told = widgets.html()
 
     def set_shown(self, is_shown: bool) -> None:

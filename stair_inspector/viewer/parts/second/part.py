@@ -83,11 +83,21 @@ class SecondScanPart(PagePart):
             "It is the", _SIDES, self._side, self.set_side, hint="A change is the later value less the earlier one."
         )
         self.end = widgets.button(
-            "End the comparison", self.end_comparison, icon=viser.Icon.X, is_quiet=True, is_visible=False
+            "End the comparison",
+            self.end_comparison,
+            icon=viser.Icon.X,
+            hint="The second scan is left out of page and report again.",
+            is_quiet=True,
+            is_visible=False,
         )
         self.state = widgets.html()
         self.again = widgets.button(
-            "Compare anew", self.compare_anew, icon=viser.Icon.REFRESH, is_quiet=True, is_visible=False
+            "Compare anew",
+            self.compare_anew,
+            icon=viser.Icon.REFRESH,
+            hint="With the settings as they are now.",
+            is_quiet=True,
+            is_visible=False,
         )
         self.words = widgets.html()
         self._picked = widgets.orders("Picked change", lambda message: pick_row(desk, message))

@@ -36,7 +36,13 @@ class Verdicts:
                 # Enter submits; until then the text may be half a word.
                 controls.add_text(name)
             widgets.button("Apply overrules", form.submit, icon=viser.Icon.CHECK, hint="So does Enter in a field.")
-            widgets.button("Clear overrules", self.clear, icon=viser.Icon.ERASER, is_quiet=True)
+            widgets.button(
+                "Clear overrules",
+                self.clear,
+                icon=viser.Icon.ERASER,
+                hint="All of them, and the region of interest; can be undone.",
+                is_quiet=True,
+            )
 
     def mark(self, option: str) -> None:
         """Decide what the chosen step or surface is, with the reason that is written; or take that back."""

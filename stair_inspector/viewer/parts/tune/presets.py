@@ -61,7 +61,11 @@ class Presets:
             )
             self.suggestion = self._widgets.html()
             self._take = self._widgets.button(
-                "Use these settings", self.take_suggestion, icon=viser.Icon.CHECK, is_visible=False
+                "Use these settings",
+                self.take_suggestion,
+                icon=viser.Icon.CHECK,
+                hint="In one change, which can be undone.",
+                is_visible=False,
             )
 
     def add_files(self) -> None:

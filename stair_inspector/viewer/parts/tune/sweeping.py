@@ -19,9 +19,14 @@ class SweepTool:
         self._sweep: tuple[str, Sweep] | None = None
         widgets = context.widgets
         with widgets.folder("Sensitivity", is_open=False):
-            self.setting = widgets.dropdown("Setting", tuple(sweep_titles().values()))
+            self.setting = widgets.dropdown(
+                "Setting", tuple(sweep_titles().values()), hint="Which is moved; all others stay."
+            )
             self.quantity = widgets.dropdown(
-                "Quantity", tuple(SWEPT_QUANTITIES.values()), on_change=lambda _: self.draw()
+                "Quantity",
+                tuple(SWEPT_QUANTITIES.values()),
+                hint="What is drawn over the setting.",
+                on_change=lambda _: self.draw(),
             )
             self._start = widgets.button(
                 "Sweep over its range",
@@ -30,7 +35,12 @@ class SweepTool:
                 hint="Measures at values over the whole range: a good setting lies on a plateau.",
             )
             self.stop = widgets.button(
-                "Stop the sweep", self.cancel, icon=viser.Icon.PLAYER_STOP, is_quiet=True, is_visible=False
+                "Stop the sweep",
+                self.cancel,
+                icon=viser.Icon.PLAYER_STOP,
+                hint="What was measured so far stays.",
+                is_quiet=True,
+                is_visible=False,
             )
             self.swept = widgets.html()
         name = f"stair-sweep-{desk.client.client_id}"

@@ -28,8 +28,10 @@ def values_of(inspection):
     "name",
     [
         "ceiling_clutter",
-        "straight",
-        *(pytest.param(name, marks=pytest.mark.slow) for name in ("defective_step", "handheld_noisy", "long_landing")),
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("defective_step", "handheld_noisy", "long_landing", "straight")
+        ),
     ],
 )
 def test_the_values_within_the_box_around_a_stair_are_those_without_it(name):
