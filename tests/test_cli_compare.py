@@ -1,10 +1,15 @@
 """``compare`` on the command line: exit codes, what is printed and written, one line for an error."""
 
+import hashlib
 import json
+import shutil
 
 import pytest
 
 from stair_inspector.files.ply import ply_bytes
+from stair_inspector.files.project_files import save_project
+from stair_inspector.files.projects import Project, SecondScan
+from stair_inspector.params import Params
 from tests.synthetic import Stair
 from tests.test_cli import refusal, run  # noqa: F401 - fixtures
 
@@ -72,3 +77,45 @@ def test_a_report_has_a_page_on_what_changed(run, scans, tmp_path, monkeypatch):
 def test_a_report_needs_a_folder(run, scans):  # noqa: F811
     given = ("compare", scans / "earlier.ply", scans / "later.ply", "--full-report")
     assert "compare: got --full-report without a folder; name one with -o" in refusal(run, *given)
+
+
+@pytest.fixture
+def project(scans, tmp_path):
+    """The project of the later scan, which is compared with the earlier one as it lies beside it."""
+    for name in ("earlier", "later"):
+        shutil.copy(scans / f"{name}.ply", tmp_path)
+    sha256 = {path.stem: hashlib.sha256(path.read_bytes()).hexdigest() for path in tmp_path.glob("*.ply")}
+    second = SecondScan("/elsewhere/earlier.ply", sha256["earlier"], is_earlier=True)
+    path = tmp_path / "later.stair.json"
+    save_project(path, Project("later.ply", sha256["later"], Params(up="z", unit="m"), second=second))
+    return path
+
+
+def test_measure_with_a_project_compares_with_its_second_scan(run, project, tmp_path):  # noqa: F811
+    code, _, err = run("measure", "--project", project, "-o", tmp_path / "made", "--report")
+    assert (code, err) == (0, "")
+    document = json.loads((tmp_path / "made" / "later.json").read_text())
+    assert document["comparison"]["before"]["file"] == "earlier.ply"
+    assert "Changes between two scans" in (tmp_path / "made" / "later_report.html").read_text()
+    # The paper's values have no uncertainty and are not compared.
+    assert run("measure", "--project", project, "-o", tmp_path / "paper", "--method", "paper")[0] == 0
+    assert json.loads((tmp_path / "paper" / "later.json").read_text())["comparison"] is None
+
+
+@pytest.mark.parametrize("is_gone", [True, False])
+def test_a_second_scan_that_is_gone_or_changed_is_a_sentence_beside_the_results(
+    run,  # noqa: F811
+    project,
+    tmp_path,
+    is_gone,
+):
+    if is_gone:
+        (tmp_path / "earlier.ply").unlink()
+    else:
+        shutil.copy(tmp_path / "later.ply", tmp_path / "earlier.ply")
+    code, _, err = run("measure", "--project", project, "-o", tmp_path / "made")
+    assert code == 3
+    assert err.count("\n") == 1
+    words = "is neither there nor beside the project" if is_gone else "has changed since the project"
+    assert words in err
+    assert json.loads((tmp_path / "made" / "later.json").read_text())["comparison"] is None

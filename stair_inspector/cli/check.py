@@ -11,6 +11,7 @@ from stair_inspector.cli import headless
 from stair_inspector.cli.arguments import parse_arguments, preset_params
 from stair_inspector.cli.output import report_error, say
 from stair_inspector.cli.report_options import basis_asked_for, length_asked_for, report_folder, time_of_report
+from stair_inspector.cli.second_scan import compared_or_told
 from stair_inspector.errors import CannotMeasure, ConfigError
 
 if TYPE_CHECKING:
@@ -48,19 +49,20 @@ def run(args: list[str]) -> int:
         from stair_inspector.writers.text import check_text, examined_text
 
         found = check(inspection, *rules)
-        written = ""
+        written, code = "", 0
         if folder is not None:
+            compared, code = compared_or_told(project, options.project, scan, inspection)
             length = length_asked_for(options)
             wrote = headless.write_results(
-                scan, inspection, folder, path, found, basis, made_at, length=length, pinned=pinned
+                scan, inspection, folder, path, found, basis, made_at, (), pinned, length, compared
             )
             written = f"\n  {wrote}"
         say(f"{examined_text(inspection)}{scan.name} {check_text(found)}{written}\n")
         if found.is_outside:
-            return 1
+            return max(1, code)
         if not found.is_judged and any(rule.severity != "report_only" for rule in rules[0].rules):
             reason = next((each.reason for each in found.findings if each.reason), "no rule applies")
             return report_error(CannotMeasure(f"{path}: nothing could be judged: {reason}"))
-        return 0
+        return code
 
     return max(worst, headless.for_each(paths, options, project, show))

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from stair_inspector.content.pins import PinnedFindings
     from stair_inspector.content.short import ReportLength
     from stair_inspector.files.projects import Project
-    from stair_inspector.model import Inspection, Scan
+    from stair_inspector.model import ComparedScan, Inspection, Scan
     from stair_inspector.writers.segmented import SegmentedFormat
 
 
@@ -200,16 +200,26 @@ def write_results(
     segmented: "Sequence[SegmentedFormat]" = (),
     pinned: "PinnedFindings | None" = None,
     length: "ReportLength" = "short",
+    compared: "ComparedScan | None" = None,
 ) -> str:
     """Write the files of measure, and the report if there is a basis for one, and say which."""
     from stair_inspector.writers.inspection import write_inspection
 
-    written = list(write_inspection(scan, inspection, folder, path.stem, found, segmented, pinned))
+    written = list(write_inspection(scan, inspection, folder, path.stem, found, segmented, pinned, compared))
     if basis is not None:
         from stair_inspector.writers.report import write_report
 
         written += write_report(
-            scan, inspection, folder, path.stem, basis, made_at, found, length=length, pinned=pinned
+            scan,
+            inspection,
+            folder,
+            path.stem,
+            basis,
+            made_at,
+            found,
+            length=length,
+            pinned=pinned,
+            compared=compared,
         )
     return f"wrote {', '.join(str(file) for file in written)}"
 

@@ -11,6 +11,7 @@ from stair_inspector.cli import headless
 from stair_inspector.cli.arguments import check_folder, parse_arguments, preset_params
 from stair_inspector.cli.output import say
 from stair_inspector.cli.report_options import basis_asked_for, length_asked_for, time_of_report
+from stair_inspector.cli.second_scan import compared_or_told
 from stair_inspector.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -60,9 +61,10 @@ def run(args: list[str]) -> int:
         from stair_inspector.writers.text import inspection_text
 
         found = headless.checked(inspection, rules)
+        compared, code = compared_or_told(project, measure.project, scan, inspection)
         length = length_asked_for(measure)
         wrote = headless.write_results(
-            scan, inspection, measure.out, path, found, basis, made_at, measure.segmented, pinned, length
+            scan, inspection, measure.out, path, found, basis, made_at, measure.segmented, pinned, length, compared
         )
         if measure.bcf:
             from stair_inspector.writers.bcf import write_bcf
@@ -70,7 +72,7 @@ def run(args: list[str]) -> int:
             write_bcf(Path(measure.bcf), scan, inspection, found, pinned, made_at)
             wrote += f", {measure.bcf}"
         say(f"{inspection_text(inspection)}\n  {wrote}\n")
-        return 0
+        return code
 
     return max(worst, headless.for_each(paths, measure, project, show))
 

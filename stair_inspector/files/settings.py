@@ -176,3 +176,8 @@ def find_preset(name_or_file: str) -> Preset:
     if name_or_file not in known:
         check_keys("--preset", [name_or_file], known, what="preset")
     return read_preset(known[name_or_file])
+
+
+def settings_beside(params: Params, own: Params) -> Params:
+    """Return the settings of one scan for another, which has unit, columns, up and overrules of its own."""
+    return dataclasses.replace(params, up=own.up, overrules=own.overrules, **own.reading._asdict())

@@ -6,7 +6,7 @@ from pathlib import Path
 from stair_inspector.codes import Check
 from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.files.atomic import write_all_atomically
-from stair_inspector.model import Inspection, Scan
+from stair_inspector.model import ComparedScan, Inspection, Scan
 from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.debug_ply import debug_ply_bytes
 from stair_inspector.writers.json import json_bytes
@@ -21,10 +21,12 @@ def write_inspection(
     check: Check | None = None,
     segmented: Sequence[SegmentedFormat] = (),
     pinned: PinnedFindings | None = None,
+    compared: ComparedScan | None = None,
 ) -> list[Path]:
     """Write ``STEM.json``, ``STEM.csv`` and ``STEM_debug.ply`` into a folder, each completely or not at all.
 
-    A check against a rule set and the findings, with what is ``pinned``, go into the JSON. The segmented scan is
+    A check against a rule set, the findings with what is ``pinned``, and what changed against a second scan go into the
+    JSON. The segmented scan is
     written in each of these formats, as ``STEM_segmented.laz`` or ``.ply``.
 
     Raises
@@ -33,7 +35,11 @@ def write_inspection(
         The folder cannot be written, or LAZ is wanted and its package missing; files that existed are untouched.
     """
     paths = result_paths(folder, stem, segmented)
-    contents = [json_bytes(inspection, check, pinned), csv_bytes(inspection), debug_ply_bytes(scan, inspection)]
+    contents = [
+        json_bytes(inspection, check, pinned, compared),
+        csv_bytes(inspection),
+        debug_ply_bytes(scan, inspection),
+    ]
     contents += [segmented_bytes(scan, inspection, form) for form in dict.fromkeys(segmented)]
     write_all_atomically(dict(zip(paths, contents, strict=True)))
     return paths

@@ -9,6 +9,7 @@ import viser
 
 from stair_inspector.errors import ConfigError, ReadError
 from stair_inspector.files.projects import SecondScan
+from stair_inspector.files.settings import settings_beside
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.params import Params
 from stair_inspector.viewer.bridge.controls import SettingControls
@@ -17,7 +18,7 @@ from stair_inspector.viewer.bridge.widgets import File
 from stair_inspector.viewer.state.keeper import Keeper
 from stair_inspector.viewer.state.library import Library
 from stair_inspector.viewer.state.wishes import KeptWishes, OpenPage, Wish
-from stair_inspector.viewer.state.work import Arrival, Work, settings_beside, work_beside, work_of
+from stair_inspector.viewer.state.work import Arrival, Work, work_beside, work_of
 
 _BROWSER_KEY = "stair_inspector.browser"
 _SCAN_KEY = "stair_inspector.scan"

@@ -19,6 +19,7 @@ from stair_inspector.files.projects import (
     check_entries,
     check_title,
 )
+from stair_inspector.files.settings import settings_beside
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.params import Params
 from stair_inspector.viewer.state.history import History
@@ -68,11 +69,6 @@ class Arrival:
 
     source: str
     params: Params
-
-
-def settings_beside(params: Params, own: Params) -> Params:
-    """Return the settings of one scan for another, which has unit, columns, up and overrules of its own."""
-    return dataclasses.replace(params, up=own.up, overrules=own.overrules, **own.reading._asdict())
 
 
 class Changes(TypedDict, total=False):

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from stair_inspector.comparison.compare import compare_scans
-from stair_inspector.errors import ConfigError, ReadError
+from stair_inspector.errors import CannotMeasure, ConfigError, ReadError
 from stair_inspector.files.projects import SecondScan
 from stair_inspector.model import ComparedScan, Inspection, Scan
 from stair_inspector.params import Params
@@ -84,6 +84,8 @@ class SecondMeasured:
             )
         tell(f"measuring {label} …")
         other = self._inspected(scan, params, job)
+        _check_answered(shown.label, shown.inspection, "answer it above the tabs")
+        _check_answered(label, other, "open it by itself, answer it there, and compare anew")
         tell(f"laying {label} onto {shown.label} …")
         ours, theirs = (shown.scan, shown.inspection), (scan, other)
         earlier, later = (theirs, ours) if second.is_earlier else (ours, theirs)
@@ -98,3 +100,9 @@ class SecondMeasured:
         if last is None or last.scan is not scan or last.params != params:
             last = self._last = _Measured(scan, params, inspect(scan, params, job.memo))
         return last.inspection
+
+
+def _check_answered(label: str, inspection: Inspection, cure: str) -> None:
+    if inspection.is_withheld:
+        question = inspection.questions[0].message
+        raise CannotMeasure(f"{label}: cannot be compared before this is answered: {question}; {cure}")

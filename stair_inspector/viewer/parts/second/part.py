@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import viser
 
+from stair_inspector.content.remarks import on_page
 from stair_inspector.errors import StairError, one_of
 from stair_inspector.files.projects import SecondScan
 from stair_inspector.model import ComparedScan, Inspection
@@ -62,7 +63,7 @@ class SecondScanPart(PagePart):
         # What is being compared, or was: of which result, with what; and what is said of it.
         self._asked: tuple[Inspection, SecondScan] | None = None
         self._choosing = self._doing = self._error = ""
-        self._is_changed_file = False
+        self._is_changed_file = self._is_cancelled = False
         self._side, self._maps = _SIDES[0], _MAPS[0]
         widgets = context.widgets
         self.introduction = widgets.html(aside("compare-words", _INTRODUCTION))
@@ -117,6 +118,7 @@ class SecondScanPart(PagePart):
             self._follow(is_at_rest=PageChange.REST in what or not self._context.runs.is_busy())
         if what - {PageChange.REST}:
             self._show_choice()
+        if what - {PageChange.REST, PageChange.STATUS}:
             self._show_changes()
 
     def commands(self) -> tuple[Command, ...]:
@@ -125,6 +127,7 @@ class SecondScanPart(PagePart):
 
     def cancel(self) -> None:
         """Stop what is read, measured or compared."""
+        self._is_cancelled = bool(self._doing)
         self._runs.stop()
 
     def close(self) -> None:
@@ -231,6 +234,8 @@ class SecondScanPart(PagePart):
         made = "is still being made; wait for it, or end it under Compare"
         desk.compared, desk.uncompared = None, f"the comparison with {second.name} {made}"
         if not is_at_rest:
+            # The next result will be compared; what is being compared is of one that is no longer shown.
+            self._runs.stop()
             return
         is_first = self._asked is None or self._asked[1] != second
         self._asked, self._error, self._is_changed_file = (shown.inspection, second), "", False
@@ -247,7 +252,8 @@ class SecondScanPart(PagePart):
             try:
                 work(job)
             except Cancelled:
-                words = _CANCELLED
+                # What another result or the end of the comparison has stopped needs no words.
+                words = _CANCELLED if self._is_cancelled else ""
             except StairError as error:
                 words = str(error)
                 self._is_changed_file = isinstance(error, ChangedScanError)
@@ -257,7 +263,7 @@ class SecondScanPart(PagePart):
             finally:
                 self._end(job, words)
 
-        self._doing = "waiting for the scan …"
+        self._doing, self._is_cancelled = "waiting for the scan …", False
         self._runs.start(told)
 
     def _say(self, job: SideJob, words: str) -> None:
@@ -283,7 +289,7 @@ class SecondScanPart(PagePart):
             if not self._runs.is_last(job) or self._desk.is_closed:
                 return
             self._doing = self._choosing = ""
-            self._error = " ".join(words.split())
+            self._error = on_page(" ".join(words.split()))
             if self._error and self._editor.work.second is not None:
                 name = self._editor.work.second.name
                 self._desk.uncompared = f"there is no comparison with {name}; see why under Compare, or end it there"

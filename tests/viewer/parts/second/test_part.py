@@ -7,9 +7,11 @@ import shutil
 
 import pytest
 
+from stair_inspector import pipeline
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.ply import ply_bytes
 from stair_inspector.files.projects import SecondScan
+from stair_inspector.model import Observation
 from stair_inspector.params import Params
 from stair_inspector.viewer.app import App
 from stair_inspector.viewer.parts.second import comparing
@@ -155,6 +157,19 @@ def test_the_scan_that_is_open_is_refused(page, part):
     assert page.session.editor.work.second is None
 
 
+def test_a_question_that_a_scan_asks_is_to_be_answered_first(page, part, monkeypatch):
+    question = Observation("unit_unsure", "question", "inches or centimetres", None, "--unit in")
+    inspect = comparing.inspect
+    monkeypatch.setattr(
+        comparing, "inspect", lambda *args: dataclasses.replace(inspect(*args), examination=(question,))
+    )
+    part.choose(LATER)
+    assert (
+        f"{LATER}: cannot be compared before this is answered: inches or centimetres; open it by itself, answer it"
+        in error(page, part)
+    )
+
+
 @pytest.mark.parametrize("option", ["", "nothing.ply", EARLIER, "../later.ply"])
 def test_what_is_no_other_scan_of_the_list_is_refused(part, option):
     with pytest.raises(ConfigError, match="second scan"):
@@ -208,6 +223,22 @@ def test_a_page_that_comes_back_compares_again(app, page, part):
         assert compared(again).found.after.name == LATER
     finally:
         again.close()
+
+
+def test_ending_while_it_is_compared_leaves_nothing_behind(page, part, monkeypatch):
+    ended = []
+
+    def end_first(*args):
+        ended.append(part.end_comparison())
+        return pipeline.inspect(*args)
+
+    monkeypatch.setattr(comparing, "inspect", end_first)
+    part.choose(LATER)
+    await_that(lambda: ended and not part._doing, "it is still being compared")
+    assert 'data-state="ready"' in part.state.content
+    assert (page.session.desk.compared, page.session.desk.uncompared) == (None, "")
+    assert page.session.look.color_mode == "Step"
+    assert not part.end.visible
 
 
 @pytest.mark.slow
