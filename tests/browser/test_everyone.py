@@ -24,7 +24,7 @@ _SMALLEST_TEXT = """() => {
     return sizes.sort((a, b) => a[0] - b[0])[0];
 }"""
 
-_SAID_TWICE = """() => {
+SAID_TWICE = """() => {
     const seen = new Map(), walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
     while (walk.nextNode()) {
         const of = walk.currentNode.parentElement, words = walk.currentNode.textContent.trim();
@@ -75,7 +75,7 @@ def test_nothing_on_any_tab_keeps_anybody_out(open_page, is_dark):
         assert faults(page) == [], tab
         size, words = page.page.evaluate(_SMALLEST_TEXT)
         assert size >= 10.99, (tab, words)
-        assert page.page.evaluate(_SAID_TWICE) == [], tab
+        assert page.page.evaluate(SAID_TWICE) == [], tab
     page.hotkey("h")
     page.by_id("help").wait_for()
     # The card comes in by and by: until then its letters are pale.

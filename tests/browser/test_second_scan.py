@@ -12,6 +12,7 @@ from stair_inspector.simulation.specs import Stair
 from stair_inspector.viewer.app import App
 from tests.benchmarks.epochs import FIRST, SCANNERS, SECOND
 from tests.browser.inspector_page import share_of
+from tests.browser.test_everyone import SAID_TWICE, faults
 from tests.browser.test_workspace import button
 
 WORN, TURNED, SETTLED, LAST = 2, 7, 5, 7
@@ -67,6 +68,8 @@ def test_what_changed_between_two_scans_is_shown_and_nothing_else(epochs, open_p
         words = page.by_id("change-map").inner_text()
         assert words.startswith(f"step {WORN}: ")
         assert "the outlined place lies −2.9 ± " in words
+        assert faults(page) == []
+        assert page.page.evaluate(SAID_TWICE) == []
         button(page, "All steps").click()
         page.page.wait_for_function(
             "(count) => document.querySelectorAll('[data-testid=change-map] img').length === count", arg=LAST

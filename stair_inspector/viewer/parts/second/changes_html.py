@@ -2,6 +2,7 @@
 
 import base64
 import io
+from dataclasses import replace
 
 from PIL import Image
 
@@ -99,7 +100,8 @@ def maps_html(compared: ComparedScan, selected: int | None, *, is_all: bool) -> 
     """
     steps = [step for step in compared.found.steps if is_all or compared.number_of(step) == selected]
     limit_m = change_limit(compared.found)
-    legend = colour_legend_html(change_legend(limit_m, "not seen in both scans"))
+    # The legend over the scene says more of it.
+    legend = colour_legend_html(replace(change_legend(limit_m, "not seen in both scans"), title="change [mm]"))
     maps = "".join(_map(compared, step, limit_m, _TWO_PX if is_all else _ONE_PX) for step in steps)
     if not steps:
         words = "Choose a step, in the table or in the scene, to see the map of its tread."
@@ -134,7 +136,7 @@ def _value(value: ValueChange, unit: Unit) -> str:
     hint = ""
     if value.before is not None and value.after is not None:
         hint = f"{measured_text(value.before, shown)} → {measured_text(value.after, shown)}"
-    bold = ";font-weight:700" if value.is_changed else ""
+    bold = ";font-weight:700" if value.is_changed else f";color:{DIM}"
     mark = f" {CHANGED}" if value.is_changed else ""
     return (
         f'<td data-quantity="{value.quantity}" data-changed="{"true" if value.is_changed else "false"}" '

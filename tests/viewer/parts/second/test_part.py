@@ -211,6 +211,22 @@ def test_a_second_scan_belongs_to_the_scan_that_it_was_chosen_for(page, part):
     assert compared(page).found.after.name == LATER
 
 
+def test_the_second_scan_keeps_what_was_said_of_it_by_itself(page, part, monkeypatch):
+    used = []
+    monkeypatch.setattr(comparing, "inspect", lambda *args: (used.append(args[1]), pipeline.inspect(*args))[1])
+    scans, editor = part_of(page.session, "scan"), page.session.editor
+    scans.choose(LATER)
+    page.await_result(LATER)
+    editor.adjust(lambda params: params.replaced("up", "0,0,1"))
+    scans.choose(EARLIER)
+    editor.adjust(lambda params: params.replaced("levels.eps_m", 0.021))
+    page.await_result(EARLIER)
+    compare_later(page, part)
+    (params,) = used
+    assert (params.up, params.levels.eps_m) == ("0,0,1", 0.021)
+    assert editor.work.params.up == "z"
+
+
 @pytest.mark.slow
 def test_a_page_that_comes_back_compares_again(app, page, part):
     compare_later(page, part)
