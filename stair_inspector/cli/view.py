@@ -14,6 +14,7 @@ from stair_inspector.errors import ConfigError
 
 if TYPE_CHECKING:
     from stair_inspector.content.fields import ReportBasis
+    from stair_inspector.viewer.bridge.doors.doors import Doors
 
 
 @dataclass(frozen=True)
@@ -23,10 +24,19 @@ class ViewScans(CommonOptions):
     scans: Annotated[
         tyro.conf.Positional[tuple[Path, ...]], tyro.conf.arg(metavar="SCAN"), Doc("Files or folders.")
     ] = ()
-    host: Annotated[str, Doc("Address to listen on. Anyone who can reach it sees the scans: there is no password.")] = (
+    host: Annotated[str, Doc("Address to listen on; beyond 127.0.0.1 the token and the scans travel in the clear.")] = (
         "127.0.0.1"
     )
     port: Annotated[int, Doc("Port to listen on; 0 takes a free one.")] = 8080
+    share_view: Annotated[bool, Doc("Print a second address, for those who may see everything and change nothing.")] = (
+        False
+    )
+    public_address: Annotated[
+        str,
+        tyro.conf.arg(metavar="URL"),
+        Doc("Where a reverse proxy with TLS shows the page, as https://stairs.example.org; '' without one."),
+    ] = ""
+    token: Annotated[bool, Doc("Let in only who has the token of the printed address; --no-token is for tests.")] = True
     browser: Annotated[bool, Doc("Open the page in the system's browser.")] = True
     project_dir: Annotated[
         str,
@@ -56,8 +66,10 @@ def run(args: list[str]) -> int:
     found = find_scans(view.scans or [sample_scans()])
     # Folders are handed over as such: the page looks into them again.
     paths = list(view.scans) or sorted(found, key=lambda path: path.stem != DEFAULT_SAMPLE)
-    from stair_inspector.viewer.app import App, is_loopback
+    from stair_inspector.viewer.app import App
+    from stair_inspector.viewer.bridge.doors.doors import is_loopback
 
+    doors = _doors(view)
     # A service manager ends a program so; the heavy process must not be left behind.
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     app = None
@@ -71,26 +83,27 @@ def run(args: list[str]) -> int:
             saves_projects=view.autosave,
             upload_limit_mb=view.upload_limit_mb,
             basis=basis,
+            doors=doors,
         )
-        # A wildcard is no address that a browser could open.
-        host = "127.0.0.1" if view.host in ("0.0.0.0", "::") else view.host
-        address = f"http://[{host}]:{app.port}" if ":" in host else f"http://{host}:{app.port}"
-        print(f"stair-inspector is at {address} (Ctrl+C ends it)", flush=True)
+        print(f"stair-inspector is at {doors.address(app.port)} (Ctrl+C ends it)", flush=True)
+        shared = doors.view_address(app.port)
+        if shared is not None:
+            print(f"view only, to be shared: {shared}", flush=True)
         reason = why_not_loadable()
         if reason:
             # Said in the terminal now, not only on the page after the first scan.
             print(f"stair-inspector: note: works without Open3D: {reason}", file=sys.stderr, flush=True)
         if not is_loopback(view.host):
-            print(
-                f"stair-inspector: warning: everyone who can reach {view.host} sees these scans, can change "
-                "projects and upload files; there is no password. Use --host 127.0.0.1 to keep it to this machine",
-                file=sys.stderr,
-                flush=True,
+            _warn(
+                f"what is sent to and from {view.host} can be read on the way, the token too: put a proxy with TLS in "
+                "front of 127.0.0.1 instead, or go through SSH"
             )
+        if not view.token:
+            _warn("--no-token is for tests: everyone who can reach this address sees, changes and uploads")
         if view.browser:
             import webbrowser
 
-            webbrowser.open(address)
+            webbrowser.open(doors.address_for_once(app.port))
         app.wait()
     except KeyboardInterrupt:
         print()
@@ -99,6 +112,21 @@ def run(args: list[str]) -> int:
         if app is not None:
             app.stop()
     return 0
+
+
+def _doors(view: ViewScans) -> "Doors":
+    """Return who is let in."""
+    import os
+
+    from stair_inspector.viewer.bridge.doors.doors import TOKEN_VARIABLE, Doors, checked_token, new_token
+
+    given = os.environ.get(TOKEN_VARIABLE)
+    token = checked_token(given) if given else new_token()
+    return Doors(token if view.token else None, shares_view=view.share_view, public_address=view.public_address)
+
+
+def _warn(words: str) -> None:
+    print(f"stair-inspector: warning: {words}", file=sys.stderr, flush=True)
 
 
 def _basis_of_all(path: Path) -> "ReportBasis":

@@ -2,7 +2,6 @@
 
 import contextlib
 import io
-import ipaddress
 import os
 import socket
 import threading
@@ -16,7 +15,10 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.params import Params
 from stair_inspector.pictures.cameras import FOV_RAD
-from stair_inspector.viewer.bridge.server import close_connection, prepare_client, prepare_server
+from stair_inspector.viewer.bridge.doors.doors import Doors, new_token
+from stair_inspector.viewer.bridge.doors.gate import guarded
+from stair_inspector.viewer.bridge.doors.words import VIEW_ONLY
+from stair_inspector.viewer.bridge.server import close_connection, is_view_only, prepare_client, prepare_server
 from stair_inspector.viewer.bridge.uploads import limit_uploads
 from stair_inspector.viewer.compute.workshop import Workshop
 from stair_inspector.viewer.page import Page
@@ -52,6 +54,8 @@ class App:
         False keeps what inspectors change in memory only.
     upload_limit_mb : float
         Largest upload, megabytes.
+    doors : Doors, optional
+        Who is let in; without any, whoever has the token of :attr:`address`.
 
     Raises
     ------
@@ -70,8 +74,11 @@ class App:
         saves_projects: bool = True,
         upload_limit_mb: float = DEFAULT_UPLOAD_LIMIT_MB,
         basis: ReportBasis | None = None,
+        doors: Doors | None = None,
     ) -> None:
         self._port = _check_address(host, port)
+        self._doors = doors or Doors(new_token())
+        self._doors.stand_at(host)
         self._library = Library(scans, project_dir, saves_projects=saves_projects, upload_limit_mb=upload_limit_mb)
         self._started = Work(params, basis=basis or ReportBasis())
         self._palettes = {name: (read_palette(light), read_palette(dark)) for name, (light, dark) in PALETTES.items()}
@@ -83,7 +90,7 @@ class App:
         # It would take precedence over the port that was asked for and checked.
         os.environ.pop("_VISER_PORT_OVERRIDE", None)
         # viser prints a banner of its own, whatever ``verbose`` says.
-        with contextlib.redirect_stdout(io.StringIO()):
+        with contextlib.redirect_stdout(io.StringIO()), guarded(self._doors):
             self._server = viser.ViserServer(host=host, port=self._port, verbose=False)
         # The address must be known to whoever prints it: viser moves to another port when its own is taken.
         self._port = self._server.get_port()
@@ -100,6 +107,16 @@ class App:
     def port(self) -> int:
         """The port that is really listened on."""
         return self._port
+
+    @property
+    def address(self) -> str:
+        """What a browser opens to be let in."""
+        return self._doors.address(self._port)
+
+    @property
+    def view_address(self) -> str | None:
+        """What a browser opens to see everything and change nothing; None where nothing is shared."""
+        return self._doors.view_address(self._port)
 
     @property
     def n_sessions(self) -> int:
@@ -127,7 +144,8 @@ class App:
 
     def _connect(self, client: viser.ClientHandle) -> None:
         prepare_client(client)
-        limit_uploads(client, self._library.check_upload)
+        is_viewer = is_view_only(self._server, client)
+        limit_uploads(client, self._library.check_upload, VIEW_ONLY if is_viewer else "")
         session = Page(
             client,
             self._workshop,
@@ -136,6 +154,7 @@ class App:
             self._palettes,
             self._kept,
             lambda: self._drop(client),
+            is_viewer,
         )
         with self._lock:
             self._sessions[client.client_id] = session
@@ -153,15 +172,6 @@ class App:
             session = self._sessions.pop(client.client_id, None)
         if session is not None:
             session.close()
-
-
-def is_loopback(host: str) -> bool:
-    """Return whether only programs of this machine can reach the host address."""
-    if host == "localhost":
-        return True
-    with contextlib.suppress(ValueError):
-        return ipaddress.ip_address(host).is_loopback
-    return False
 
 
 def _check_address(host: str, port: int) -> int:

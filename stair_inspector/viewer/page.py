@@ -96,6 +96,8 @@ class Page:
         What pages that have gone were last at.
     end : callable
         Closes this page; called when its browser has come back while this page no longer answers.
+    is_view_only : bool
+        Whether it shows the saved work and changes nothing of it.
     """
 
     def __init__(
@@ -107,10 +109,11 @@ class Page:
         palettes: Mapping[str, tuple[Palette, Palette]],
         kept: KeptWishes,
         end: Callable[[], None],
+        is_view_only: bool,
     ) -> None:
         notices = Notices(client)
         self.desk = Desk(client, notices, palettes, Stage(client), changed=self.changed)
-        self.keeper = Keeper(library, self._on_saved)
+        self.keeper = Keeper(library, self._on_saved, is_view_only=is_view_only)
         controls = SettingControls(client.gui, started.params, notices.guard(lambda: self.editor.submit()))
         self.editor = Editor(self.keeper, controls, started.params, self._run, self.changed, self._failed)
         self.opening = Opening(client, library, self.keeper, controls, notices, started, kept, end)

@@ -68,7 +68,7 @@ def main():
         try:
             with sync_playwright() as playwright:
                 browser = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
-                measure(InspectorPage(browser, app.port), given.moves)
+                measure(InspectorPage(browser, app.address), given.moves)
                 browser.close()
         finally:
             app.stop()

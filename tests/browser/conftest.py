@@ -110,7 +110,7 @@ def open_page(browser, app):
     opened = []
 
     def open_page(**options):
-        opened.append(InspectorPage(browser, options.pop("port", app.port), **options))
+        opened.append(InspectorPage(browser, options.pop("address", app.address), **options))
         return opened[-1].open()
 
     yield open_page
@@ -135,7 +135,7 @@ def page(request, browser, app, _shared):
     """A page with the preset's settings, the first scan, nothing selected, the steps coloured, seen from home."""
     if not _shared or _shared[0] not in OPENED:
         _shared[:] = []
-        _shared.append(InspectorPage(browser, app.port).open())
+        _shared.append(InspectorPage(browser, app.address).open())
     page = _shared[0]
     page.problems.clear()
     _shared.clear()

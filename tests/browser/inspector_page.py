@@ -104,7 +104,9 @@ def share_changed(before, after):
 class InspectorPage:
     """One browser page of the inspector, with a browser profile of its own."""
 
-    def __init__(self, browser, port, width=1280, height=720, context=None, sharpness=SCENE_SHARPNESS, has_tour=False):
+    def __init__(
+        self, browser, address, width=1280, height=720, context=None, sharpness=SCENE_SHARPNESS, has_tour=False
+    ):
         self.context = context or browser.new_context(
             viewport={"width": width, "height": height}, accept_downloads=True
         )
@@ -117,7 +119,7 @@ class InspectorPage:
         self.is_scene_touched = False
         self.page.on("console", self._note_console)
         self.page.on("pageerror", lambda error: self.problems.append(f"page error: {error}"))
-        self.page.goto(f"http://127.0.0.1:{port}/?fixedDpr={sharpness}")
+        self.page.goto(f"{address}&fixedDpr={sharpness}")
 
     def _note_console(self, message):
         if message.type == "error" and not any(known in message.text for known in _KNOWN_NOISE):

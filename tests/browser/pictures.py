@@ -44,7 +44,7 @@ def main() -> None:
     try:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
-            page = InspectorPage(browser, app.port, width=1500, height=980, sharpness=1.0).open()
+            page = InspectorPage(browser, app.address, width=1500, height=980, sharpness=1.0).open()
             for name, prepare in (("page", steps), ("page_tune", tune), ("page_section", section)):
                 prepare(page)
                 page.close_notifications()

@@ -17,7 +17,7 @@ def test_a_long_run_is_cancelled_and_run_again(browser, tmp_path, scans, open_pa
     simulate_to_file(tmp_path / "large.ply", Stair(n_risers=10), scanner)
     app = App([scans[0], tmp_path / "large.ply"], Params(), port=0, saves_projects=False)
     try:
-        page = open_page(port=app.port)
+        page = open_page(address=app.address)
         page.hotkey("Control+z")
         page.await_notification("there is nothing to undo")
         page.tab("Scan")

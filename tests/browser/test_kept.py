@@ -35,7 +35,7 @@ def test_work_is_saved_beside_the_scan_and_restored_by_the_next_server(browser, 
     saved = folder / "stair.stair.json"
     app = App([folder], Params(), port=0)
     try:
-        page = InspectorPage(browser, app.port).open()
+        page = InspectorPage(browser, app.address).open()
         assert not saved.exists()
         page.press("paper's α_f [%]", "ArrowLeft")
         page.await_result("α 94.5/5 %")
@@ -46,7 +46,7 @@ def test_work_is_saved_beside_the_scan_and_restored_by_the_next_server(browser, 
         assert project.params == Params().replaced("edges.front_percentile", 94.5)
         page.page.locator("[data-testid=saved]", has_text="Saved at").wait_for()
         # A second inspector of the same scan begins anew and writes elsewhere.
-        other = InspectorPage(browser, app.port).open()
+        other = InspectorPage(browser, app.address).open()
         other.await_result("α 95/5 %")
         other.press("paper's α_f [%]", "ArrowLeft", times=2)
         other.await_result("α 94/5 %")
@@ -59,7 +59,7 @@ def test_work_is_saved_beside_the_scan_and_restored_by_the_next_server(browser, 
     assert read_project(saved).params.edges.front_percentile == 94.5
     app = App([folder], Params(), port=0)
     try:
-        page = InspectorPage(browser, app.port)
+        page = InspectorPage(browser, app.address)
         page.await_result("α 94.5/5 %")
         assert "Your work is back" in page.await_notification("Your work is back")
         page.open()
@@ -75,7 +75,7 @@ def test_saved_work_of_another_state_of_the_file_is_left_alone(browser, folder, 
     saved = folder / "stair.stair.json"
     app = App([folder], Params(), port=0)
     try:
-        page = InspectorPage(browser, app.port).open()
+        page = InspectorPage(browser, app.address).open()
         page.press("paper's α_f [%]", "ArrowLeft")
         await_project(saved, lambda project: project.params.edges.front_percentile == 94.5)
         page.close()
@@ -85,7 +85,7 @@ def test_saved_work_of_another_state_of_the_file_is_left_alone(browser, folder, 
     shutil.copy(scans[1], folder / "stair.ply")
     app = App([folder], Params(), port=0)
     try:
-        page = InspectorPage(browser, app.port)
+        page = InspectorPage(browser, app.address)
         page.await_result("α 95/5 %")
         assert "another state of this file" in page.await_notification("Saved work not taken up")
         page.open()
@@ -102,7 +102,7 @@ def test_a_page_that_closes_frees_what_it_held(browser, folder):
     app = App([folder], Params(), port=0, saves_projects=False)
     try:
         before = set(threading.enumerate())
-        page = InspectorPage(browser, app.port).open()
+        page = InspectorPage(browser, app.address).open()
         held = weakref.ref(next(iter(app._sessions.values())))
         page.close()
         ends = time.monotonic() + SETTLE_MS / 1000.0

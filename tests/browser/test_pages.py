@@ -96,8 +96,8 @@ def test_a_large_scan_being_prepared_holds_up_nobody(browser, tmp_path, scans, o
     simulate_to_file(tmp_path / "large.ply", Stair(n_risers=10), scanner)
     app = App([scans[0], tmp_path / "large.ply"], Params(), port=0)
     try:
-        first = open_page(port=app.port)
-        second = open_page(port=app.port)
+        first = open_page(address=app.address)
+        second = open_page(address=app.address)
         first.tab("Scan")
         first.open_scan("large.ply")
         first.page.get_by_role("progressbar").wait_for()

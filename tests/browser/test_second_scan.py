@@ -48,7 +48,7 @@ def epochs(tmp_path_factory):
 def test_what_changed_between_two_scans_is_shown_and_nothing_else(epochs, open_page):
     app = App(epochs, Params(), port=0, saves_projects=False)
     try:
-        page = open_page(port=app.port)
+        page = open_page(address=app.address)
         page.tab("Compare")
         page.choose("Second scan", "before.ply")
         page.by_id("changes-table").wait_for()

@@ -16,7 +16,7 @@ def touched(browser, app, size):
     context = browser.new_context(
         viewport={"width": width, "height": height}, has_touch=True, is_mobile=width < 500, device_scale_factor=1
     )
-    page = InspectorPage(browser, app.port, context=context)
+    page = InspectorPage(browser, app.address, context=context)
     page.await_result()
     page.close_notifications()
     return page

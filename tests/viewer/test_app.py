@@ -1,6 +1,7 @@
 """Where the server listens, whom it lets in, and what the command line says of it."""
 
 import contextlib
+import re
 import socket
 import threading
 import time
@@ -18,8 +19,12 @@ from stair_inspector.content.fields import ReportBasis, ReportFields
 from stair_inspector.errors import ConfigError
 from stair_inspector.params import Params
 from stair_inspector.viewer import app as app_module
-from stair_inspector.viewer.app import App, is_loopback
-from stair_inspector.viewer.state.library import DEFAULT_UPLOAD_LIMIT_MB, label_scans
+from stair_inspector.viewer.app import App
+from stair_inspector.viewer.bridge.doors import gate
+from stair_inspector.viewer.bridge.doors.doors import TOKEN_VARIABLE, VIEW_PATH, DoorCall, is_loopback
+from stair_inspector.viewer.state.labels import label_scans
+from stair_inspector.viewer.state.library import DEFAULT_UPLOAD_LIMIT_MB
+from tests.viewer.wire_page import connect_page
 
 SCAN = [Path("a.ply")]
 
@@ -93,7 +98,7 @@ def test_a_port_out_of_range_is_an_error(port):
 
 def test_port_zero_takes_a_free_one_and_says_which(app):
     assert 1024 <= app.port <= 65535
-    with urllib.request.urlopen(f"http://127.0.0.1:{app.port}/", timeout=10) as answer:
+    with urllib.request.urlopen(app.address, timeout=10) as answer:
         assert answer.status == 200
         assert b"<html" in answer.read()[:2000].lower()
 
@@ -103,7 +108,7 @@ def test_a_port_override_in_the_environment_does_not_move_it(monkeypatch):
     app = App(SCAN, Params(), port=0)
     try:
         assert app.port > 1
-        urllib.request.urlopen(f"http://127.0.0.1:{app.port}/", timeout=10).close()
+        urllib.request.urlopen(app.address, timeout=10).close()
     finally:
         app.stop()
 
@@ -114,13 +119,13 @@ def test_no_page_can_open_a_public_tunnel(app, monkeypatch):
     monkeypatch.setattr(viser.ViserServer, "disconnect_share_url", lambda *_: opened.append("close"))
     server = app._server._websock_server
     # Messages are handled in order: when this one has been, the others have.
-    server.register_handler(messages.ShareUrlUpdated, lambda *_: fence.set())
-    address = f"ws://127.0.0.1:{app.port}"
-    with connect(address, subprotocols=[f"viser-v{viser.__version__}"], max_size=None) as page:
+    server.register_handler(messages.CommandTriggerMessage, lambda *_: fence.set())
+    monkeypatch.setattr(gate, "is_accepted", lambda _: True)
+    with connect_page(app.address) as page:
         for message in (
             {"type": "ShareUrlRequest"},
             {"type": "ShareUrlDisconnect"},
-            {"type": "ShareUrlUpdated", "share_url": None},
+            {"type": "CommandTriggerMessage", "uuid": ""},
         ):
             page.send(msgspec.msgpack.encode(message))
         assert fence.wait(10.0)
@@ -196,7 +201,8 @@ def view(monkeypatch, tmp_path, capsys):
 def test_view_stays_on_this_machine_and_prints_its_address(view):
     app, out, err = view()
     assert (app.host, app.port) == ("127.0.0.1", 8080)
-    assert "http://127.0.0.1:8080" in out
+    assert re.search(r"http://127\.0\.0\.1:8080/\?token=[\w-]{43} ", out)
+    assert VIEW_PATH not in out
     assert err == ""
     assert app.is_stopped
 
@@ -205,9 +211,9 @@ def test_view_for_everyone_warns(view):
     app, out, err = view("--host", "0.0.0.0", "--port", "0")
     assert app.host == "0.0.0.0"
     assert "http://127.0.0.1:4321" in out
-    assert "warning" in err
-    assert "no password" in err
-    assert "127.0.0.1" in err
+    assert err.count("warning") == err.count("\n") == 1
+    assert "sent to and from 0.0.0.0 can be read on the way" in err
+    assert "SSH" in err
 
 
 def test_view_hands_over_settings_and_scans(view):
@@ -220,11 +226,15 @@ def test_view_hands_over_settings_and_scans(view):
 def test_view_saves_projects_beside_the_scans_unless_told_otherwise(view, tmp_path):
     app, _, _ = view()
     wanted = {"project_dir": None, "saves_projects": True, "upload_limit_mb": DEFAULT_UPLOAD_LIMIT_MB, "basis": None}
-    assert app.options == wanted
+    assert without_doors(app) == wanted
     FakeApp.made = ()
     app, _, _ = view("--project-dir", str(tmp_path / "projects"), "--no-autosave", "--upload-limit-mb", "20")
     wanted |= {"project_dir": tmp_path / "projects", "saves_projects": False, "upload_limit_mb": 20.0}
-    assert app.options == wanted
+    assert without_doors(app) == wanted
+
+
+def without_doors(app):
+    return {name: value for name, value in app.options.items() if name != "doors"}
 
 
 def test_view_begins_reports_with_what_a_file_says(view, tmp_path):
@@ -269,8 +279,43 @@ def test_view_opens_the_browser_unless_told_not_to(view, monkeypatch):
     view()
     assert opened == []
     FakeApp.made = ()
-    view("--browser")
-    assert opened == ["http://127.0.0.1:8080"]
+    app, out, _ = view("--browser")
+    (address,) = opened
+    # The command that opens a browser can be read by everyone on the machine: what it holds is good for once.
+    assert address not in out
+    assert address.startswith("http://127.0.0.1:8080/?token=")
+    call = DoorCall(address.removeprefix("http://127.0.0.1:8080"), {"host": "127.0.0.1:8080"})
+    assert [app.options["doors"].ask(call).status for _ in range(2)] == [200, 403]
+
+
+def test_view_shares_a_second_address_and_says_when_it_lets_everyone_in(view):
+    _, out, err = view("--share-view")
+    first, second = re.findall(r"http://127\.0\.0\.1:8080(/\S*)", out)
+    assert first.startswith("/?token=")
+    assert second.startswith(f"{VIEW_PATH}?token=")
+    assert first[-43:] not in second
+    FakeApp.made = ()
+    _, out, err = view("--no-token")
+    assert "http://127.0.0.1:8080/ " in out
+    assert "--no-token is for tests" in err
+
+
+def test_a_token_that_is_given_stays_and_a_poor_one_is_refused(view, monkeypatch, capsys):
+    token = "5f1c0a7e9b3d4826a1c7e0f4d2b69835"
+    monkeypatch.setenv(TOKEN_VARIABLE, token)
+    _, out, _ = view()
+    assert f"http://127.0.0.1:8080/?token={token} " in out
+    monkeypatch.setenv(TOKEN_VARIABLE, "secret")
+    assert cli.main(["view", "--no-browser"]) == 2
+    assert f"{TOKEN_VARIABLE}: is no token; give 22 to 200 letters" in capsys.readouterr().err
+
+
+def test_behind_a_proxy_its_address_is_printed_and_nonsense_is_refused(view, capsys):
+    _, out, _ = view("--public-address", "https://stairs.example.org/")
+    assert "stair-inspector is at https://stairs.example.org/?token=" in out
+    for nonsense in ("stairs.example.org", "https://a/b", "ftp://a", "https://"):
+        assert cli.main(["view", "--no-browser", "--public-address", nonsense]) == 2
+        assert f"--public-address: got {nonsense!r}; give scheme and name alone" in capsys.readouterr().err
 
 
 def test_the_help_of_view_names_its_options(capsys):
@@ -280,6 +325,6 @@ def test_the_help_of_view_names_its_options(capsys):
     out = capsys.readouterr().out
     assert [
         word
-        for word in ("--host", "--port", "--no-browser", "--project-dir", "--upload-limit-mb", "no password", "8080")
+        for word in ("--host", "--port", "--no-browser", "--project-dir", "--upload-limit-mb", "--share-view", "8080")
         if word not in out
     ] == []

@@ -1,7 +1,9 @@
 """A page without a browser: it speaks the server's protocol, draws nothing, and keeps what it is told to keep."""
 
+import http.client
 import threading
 import time
+from urllib.parse import urlsplit
 
 import msgspec
 import viser
@@ -45,22 +47,20 @@ def serve(folder):
 
 
 class WirePage:
-    """One page of a browser; ``storage`` is what the tabs of that browser share.
+    """One page of a browser; ``storage`` is what the tabs of that browser share, ``address`` what it opens.
 
     ``session`` is what the server made for it, and ``tabs`` are the titles of the panel's tabs. A page that is not
     ``is_answering`` is a connection whose far end is
     gone without the server knowing.
     """
 
-    def __init__(self, app, storage=None):
+    def __init__(self, app, storage=None, address=None):
         self.storage = {} if storage is None else storage
         self.is_answering = True
         self._told = []
         self.tabs = []
         known = set(app._sessions)
-        self._socket = connect(
-            f"ws://127.0.0.1:{app.port}", subprotocols=[f"viser-v{viser.__version__}"], max_size=None
-        )
+        self._socket = connect_page(address or app.address)
         self._send(_CAMERA)
         threading.Thread(target=self._listen, daemon=True).start()
         await_that(lambda: set(app._sessions) - known, "there is no session")
@@ -119,6 +119,36 @@ class WirePage:
 
     def _send(self, message):
         self._socket.send(msgspec.msgpack.encode(message))
+
+
+def get(address, headers=()):
+    """Ask a server for an address; return the answer's status, its header fields and its body."""
+    parts = urlsplit(address)
+    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=SETTLE_S)
+    connection.request("GET", f"{parts.path}?{parts.query}", headers=dict(headers))
+    answer = connection.getresponse()
+    body = answer.read()
+    connection.close()
+    return answer.status, answer.headers, body
+
+
+def cookie_of(address):
+    """The cookie that a browser gets for an address with a token."""
+    return get(address)[1]["Set-Cookie"].partition(";")[0]
+
+
+def connect_page(address, **headers):
+    """The connection of a page that was opened with its address, as a browser makes it."""
+    parts = urlsplit(address)
+    given = {"Cookie": cookie_of(address), "Origin": f"http://{parts.netloc}"} | headers
+    origin = given.pop("Origin")
+    return connect(
+        f"ws://{parts.netloc}{parts.path.rstrip('/')}",
+        origin=origin,
+        additional_headers=given,
+        subprotocols=[f"viser-v{viser.__version__}"],
+        max_size=None,
+    )
 
 
 def await_that(is_so, otherwise):

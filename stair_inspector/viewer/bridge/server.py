@@ -12,6 +12,7 @@ import viser._gui_handles
 import viser._icons
 import viser._messages
 
+from stair_inspector.viewer.bridge.doors.gate import GuardedConnection
 from stair_inspector.viewer.bridge.wakeups import keep_waking
 
 
@@ -41,6 +42,12 @@ def _read_icons_once() -> None:
 def prepare_client(client: viser.ClientHandle) -> None:
     """Mend how the sender of one page's messages is woken."""
     keep_waking(client._websock_connection)
+
+
+def is_view_only(server: viser.ViserServer, client: viser.ClientHandle) -> bool:
+    """Return whether a page may change nothing; one that has gone may not."""
+    connection = server._websock_server._live_connections.get(client.client_id)
+    return not isinstance(connection, GuardedConnection) or connection.is_view_only
 
 
 def close_connection(server: viser.ViserServer, client: viser.ClientHandle) -> None:

@@ -14,10 +14,11 @@ LARGEST_SMALL_BYTES = 20_000_000
 SMALL_SUFFIXES = (".toml", ".json", ".png", ".jpg", ".jpeg")
 
 
-def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None]) -> None:
+def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None], refusal: str = "") -> None:
     """Refuse uploads that do not fit their button, and parts that are more than was said.
 
-    A button that offers small files alone takes no others; scans are refused where ``check(name, size)`` raises.
+    A button that offers small files alone takes no others; scans are refused where ``check(name, size)`` raises. A page
+    that may upload nothing is told the ``refusal``.
 
     The names used here are private to viser, hence the exact version in ``pyproject.toml`` and tests that upload.
     """
@@ -29,6 +30,8 @@ def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None])
 
     def start(client_id: int, message: Any) -> None:
         try:
+            if refusal:
+                raise ConfigError(f"upload: {refusal}")
             button = gui._gui_input_handle_from_uuid.get(message.source_component_uuid)
             _check(str(message.filename), message.size_bytes, _suffixes_of(button), check)
         except StairError as error:
@@ -48,7 +51,9 @@ def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None])
 
     def part(client_id: int, message: Any) -> None:
         state = gui._current_file_upload_states.get(message.transfer_uuid)
-        if state is not None and state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
+        if state is None:
+            return
+        if state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
             gui._current_file_upload_states.pop(message.transfer_uuid, None)
             return
         gui._handle_file_transfer_part(client_id, message)

@@ -18,7 +18,7 @@ from stair_inspector.viewer.parts.cures import Cures
 from stair_inspector.viewer.parts.examination_html import headline_html
 from stair_inspector.viewer.parts.glossary_html import glossary_html
 from stair_inspector.viewer.parts.part import Context, PagePart
-from stair_inspector.viewer.parts.status_html import header_html, state_html
+from stair_inspector.viewer.parts.status_html import header_html, state_html, view_only_html
 from stair_inspector.viewer.scene.legends import colour_legend_html, legend_html
 from stair_inspector.viewer.scene.stage import MODES, RAW, SEGMENTS, Mode
 from stair_inspector.viewer.state.change import PageChange
@@ -45,6 +45,8 @@ class Frame(PagePart):
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         widgets.html(keys_html() + names_html() + tour_html() + CLEAR_OF_THE_SCROLLBAR + READABLE + PHONE)
+        if context.keeper.is_view_only:
+            widgets.html(view_only_html())
         self._title = widgets.html()
         self.toolbar = widgets.html()
         self.legend = widgets.html()

@@ -76,6 +76,15 @@ def header_html(name: str, n_used: int | None, n_shown: int | None) -> str:
     )
 
 
+def view_only_html() -> str:
+    """Return the line on a page that changes nothing."""
+    return (
+        '<div data-testid="view-only" role="note" style="padding:3px 9px;font-size:12px;'
+        f'border-bottom:1px solid {LINE}">'
+        "<b>View only.</b> The work as it was last saved; what you choose to look at is yours alone.</div>"
+    )
+
+
 def _state(busy: str | None, error: str | None) -> str:
     if error is not None:
         return "error"

@@ -2,14 +2,14 @@
 
 import contextlib
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Unpack
 
 from stair_inspector.errors import ConfigError
 from stair_inspector.params import Params
 from stair_inspector.viewer.bridge.controls import SettingControls, words_of_change
 from stair_inspector.viewer.state.change import PageChange
-from stair_inspector.viewer.state.keeper import Keeper
+from stair_inspector.viewer.state.keeper import Keeper, ViewOnlyError
 from stair_inspector.viewer.state.work import Changes, Work
 
 
@@ -58,9 +58,11 @@ class Editor:
 
     def submit(self) -> None:
         """Run with what the controls show now."""
-        with self._keeper.lock:
+        with self._changing():
             try:
                 self._read_controls()
+            except ViewOnlyError:
+                raise
             except ConfigError as error:
                 self.refusal = str(error)
             else:
@@ -73,7 +75,7 @@ class Editor:
 
     def adjust(self, change: Callable[[Params], Params], words: str = "") -> None:
         """Change the settings as they stand at that moment, set the controls to them, and run."""
-        with self._keeper.lock:
+        with self._changing():
             with contextlib.suppress(ConfigError):
                 # A control that was moved just now has not been asked for yet; it must not jump back.
                 self._read_controls()
@@ -84,7 +86,7 @@ class Editor:
 
     def take_up(self, work: Work, words: str) -> None:
         """Go on with other work, all in one change, and run."""
-        with self._keeper.lock:
+        with self._changing():
             self._go_on(work, words)
         self._changed(PageChange.WORK)
 
@@ -93,7 +95,7 @@ class Editor:
 
         Changes that follow each other with the same key, as while a text is typed, are undone together.
         """
-        with self._keeper.lock:
+        with self._changing():
             self._keeper.change(words, merge_key, **change(self.work))
         self._changed(PageChange.WORK)
 
@@ -121,7 +123,7 @@ class Editor:
     def _step(self, step: Callable[[], Work], *, can: bool, words: str) -> None:
         if not can:
             raise ConfigError(f"{words}: there is nothing to {words}")
-        with self._keeper.lock:
+        with self._changing():
             work = step()
             self.controls.load(work.params)
             self.ask()
@@ -134,6 +136,18 @@ class Editor:
         self._keeper.change(words, names, params=params)
 
     def _go_on(self, work: Work, words: str) -> None:
-        self.controls.load(work.params)
         self._keeper.replace(work, words)
+        self.controls.load(work.params)
         self.ask()
+
+    @contextlib.contextmanager
+    def _changing(self) -> Iterator[None]:
+        """Hold the keeper's lock; where nothing may be changed, show the work again as it is."""
+        try:
+            with self._keeper.lock:
+                yield
+        except ViewOnlyError:
+            with self._keeper.lock:
+                self.controls.load(self.work.params)
+            self._changed(PageChange.WORK)
+            raise

@@ -10,10 +10,11 @@ from typing import Unpack
 
 from stair_inspector.content.basis_files import basis_to_dict
 from stair_inspector.content.pin_values import pinned_to_dict
-from stair_inspector.errors import StairError, WriteError
+from stair_inspector.errors import ConfigError, StairError, WriteError
 from stair_inspector.files.project_files import save_project
 from stair_inspector.files.projects import Project
 from stair_inspector.params import Params
+from stair_inspector.viewer.bridge.doors.words import VIEW_ONLY
 from stair_inspector.viewer.compute.threads import Settle
 from stair_inspector.viewer.state.history import History
 from stair_inspector.viewer.state.library import Library, state_of
@@ -22,6 +23,10 @@ from stair_inspector.viewer.state.work import Bench, Changes, Work
 
 _QUIET_S = 0.6
 """A change is saved once nothing has changed for so long; a drag of a slider is one change."""
+
+
+class ViewOnlyError(ConfigError):
+    """Somebody tried to change the work on a page that only shows it."""
 
 
 class Keeper:
@@ -36,9 +41,12 @@ class Keeper:
     on_saved : callable
         Called when a project was saved, or could not be, with what is to be told of it, empty for nothing, and whether
         it could not.
+    is_view_only : bool
+        Whether every change of the work is refused by a :class:`ViewOnlyError`.
     """
 
-    def __init__(self, library: Library, on_saved: Callable[[str, bool], None]) -> None:
+    def __init__(self, library: Library, on_saved: Callable[[str, bool], None], *, is_view_only: bool = False) -> None:
+        self.is_view_only = is_view_only
         self._library = library
         self._on_saved = on_saved
         self.label = ""
@@ -160,6 +168,8 @@ class Keeper:
         with self.lock:
             history = self._bench.history
             before = history.value
+            if after != before:
+                self._check_may_change()
             history.push(after, words, merge_key)
             if after != before:
                 self._touch()
@@ -244,8 +254,13 @@ class Keeper:
 
     def _step(self, step: Callable[[History[Work]], Work]) -> Work:
         with self.lock:
+            self._check_may_change()
             self._touch()
             return step(self.history)
+
+    def _check_may_change(self) -> None:
+        if self.is_view_only:
+            raise ViewOnlyError(VIEW_ONLY)
 
     def _touch(self) -> None:
         self._bench.is_changed = True

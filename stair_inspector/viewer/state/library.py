@@ -2,7 +2,6 @@
 
 import contextlib
 import hashlib
-import itertools
 import os
 import shutil
 import tempfile
@@ -17,6 +16,7 @@ from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.project_files import read_project
 from stair_inspector.files.projects import Project, autosave_path
 from stair_inspector.files.scans import SUFFIXES, find_scans
+from stair_inspector.viewer.state.labels import free_label, label_scans
 
 DEFAULT_UPLOAD_LIMIT_MB = 500.0
 _LARGEST_UPLOAD_MB = 1e6
@@ -91,7 +91,7 @@ class Library:
             known = {path: label for label, path in self._scans.items()}
             for path in found:
                 if path not in known:
-                    known[path] = _free_label(path, {*self._scans, *self._uploads})
+                    known[path] = free_label(path, {*self._scans, *self._uploads})
                     self._scans[known[path]] = path
             self._listed = tuple(dict.fromkeys(known[path] for path in found)) or self._listed
 
@@ -184,7 +184,9 @@ class Library:
             with contextlib.suppress(OSError):
                 shutil.rmtree(path.parent)
 
-    def claim_project(self, scan: Path, sha256: str = "") -> tuple[Path | None, Project | None, str]:
+    def claim_project(
+        self, scan: Path, sha256: str = "", *, only_reads: bool = False
+    ) -> tuple[Path | None, Project | None, str]:
         """Take a project file of a scan for one page, which :meth:`release_project` gives back.
 
         Parameters
@@ -193,6 +195,8 @@ class Library:
             The scan's file.
         sha256 : str
             Pass over the work that was done on other bytes of it.
+        only_reads : bool
+            Take nothing: what is saved is wanted alone, whoever works on it.
 
         Returns
         -------
@@ -208,9 +212,9 @@ class Library:
             return None, None, f"{scan.name} {words}, or start with --project-dir"
         if folder is None and _is_bundled(scan):
             return None, None, ""
-        if folder is None and not os.access(scan.parent, os.W_OK):
+        if folder is None and not only_reads and not os.access(scan.parent, os.W_OK):
             return None, None, f"{scan.parent} cannot be written, so nothing is saved there; start with --project-dir"
-        if folder is not None:
+        if folder is not None and not only_reads:
             try:
                 folder.mkdir(parents=True, exist_ok=True)
             except OSError as error:
@@ -220,7 +224,7 @@ class Library:
         with self._lock:
             for number in range(1, _MOST_PROJECTS + 1):
                 path = first if number == 1 else autosave_path(scan.with_stem(f"{scan.stem}.{number}"), folder)
-                if path in self._claimed:
+                if path in self._claimed and not only_reads:
                     continue
                 project, why = _saved_project(path)
                 if why:
@@ -232,7 +236,8 @@ class Library:
                     continue
                 if project is not None and sha256 not in ("", project.scan_sha256):
                     continue
-                self._claimed.add(path)
+                if not only_reads:
+                    self._claimed.add(path)
                 return path, project, words
         return None, None, f"{_MOST_PROJECTS} pages work on this scan; what is changed on this page is not saved"
 
@@ -284,19 +289,6 @@ class Library:
             self._uploads = {}
 
 
-def label_scans(scans: Sequence[Path]) -> dict[str, Path]:
-    """Return the files by name; where two have the same name, by as much of the path as tells them apart."""
-    labels: dict[str, Path] = {}
-    for path in scans:
-        # A set: a file that was named twice has no twin.
-        twins = {other for other in scans if other.name == path.name}
-        depth = 1
-        while len({other.parts[-depth:] for other in twins}) < len(twins) and depth < len(path.parts):
-            depth += 1
-        labels["/".join(path.parts[-depth:])] = path
-    return labels
-
-
 def state_of(path: Path) -> str:
     """Return what tells whether a project file has changed: the SHA-256 of its bytes, empty where there is no file.
 
@@ -316,13 +308,6 @@ def state_of(path: Path) -> str:
 def upload_types() -> str:
     """Return what the file dialog of an upload offers."""
     return ",".join(SUFFIXES)
-
-
-def _free_label(path: Path, taken: set[str]) -> str:
-    """Return a file's name, with as much of its path as makes it a name that is not taken."""
-    labels = ["/".join(path.parts[-depth:]) for depth in range(1, len(path.parts) + 1)]
-    numbered = (f"{labels[-1]} ({number})" for number in itertools.count(2))
-    return next(label for label in itertools.chain(labels, numbered) if label not in taken)
 
 
 def _is_bundled(scan: Path) -> bool:

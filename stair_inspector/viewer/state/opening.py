@@ -13,9 +13,10 @@ from stair_inspector.files.settings import settings_beside
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.params import Params
 from stair_inspector.viewer.bridge.controls import SettingControls
+from stair_inspector.viewer.bridge.doors.words import VIEW_ONLY
 from stair_inspector.viewer.bridge.notices import Notices
 from stair_inspector.viewer.bridge.widgets import File
-from stair_inspector.viewer.state.keeper import Keeper
+from stair_inspector.viewer.state.keeper import Keeper, ViewOnlyError
 from stair_inspector.viewer.state.library import Library
 from stair_inspector.viewer.state.wishes import KeptWishes, OpenPage, Wish
 from stair_inspector.viewer.state.work import Arrival, Work, work_beside, work_of
@@ -23,6 +24,8 @@ from stair_inspector.viewer.state.work import Arrival, Work, work_beside, work_o
 _BROWSER_KEY = "stair_inspector.browser"
 _SCAN_KEY = "stair_inspector.scan"
 """In the browser's storage: who it is, and the scan it had open last, for when the server starts anew."""
+_VIEWED_KEY = "stair_inspector.viewed"
+"""The scan that a view-only page had open last; the other pages of that browser go on with their own."""
 _STORAGE_S = 5.0
 _LONGEST_STORED = 1000
 _ANSWER_S = 2.0
@@ -104,7 +107,7 @@ class Opening:
             if keeper.last is None:
                 self.came_along = Arrival(source, keeper.work.params)
         if label not in self._uploads:
-            self._client.local_storage.set_item(_SCAN_KEY, label)
+            self._client.local_storage.set_item(_VIEWED_KEY if keeper.is_view_only else _SCAN_KEY, label)
         return True
 
     def mark(self, label: str, error: ReadError | None) -> None:
@@ -132,6 +135,8 @@ class Opening:
 
     def keep_upload(self, file: File) -> str:
         """Keep an uploaded scan and return its name in the list."""
+        if self._keeper.is_view_only:
+            raise ViewOnlyError(VIEW_ONLY)
         while self._library.is_full() and self._kept.forget_oldest_uploads():
             continue
         label = self._library.add_upload(str(file.name), file.content)
@@ -215,22 +220,30 @@ class Opening:
     def _open(self, label: str, otherwise: Work) -> None:
         """Begin the work on a scan: what was saved of it, or else fresh work."""
         scan = self._library.path(label, self._uploads)
-        path, project, words = self._library.claim_project(scan)
+        is_view_only = self._keeper.is_view_only
+        path, project, words = self._library.claim_project(scan, only_reads=is_view_only)
         work = otherwise
         if project is not None and path is not None:
             work = work_of(project)
+            words = f"{path.name}, as it was last saved; load the page again for what is saved from now on"
+        if project is not None and path is not None and not is_view_only:
             words = (
                 f"{path.name}: settings, overrules, measurements and views as they were left. "
                 "Shift+R, or Reset to preset under Tune, takes the settings that the server was started with"
             )
         if words:
-            self._notices.tell("Your work is back" if project is not None else "Saving", words)
+            title = "Saving" if project is None else "The saved work" if is_view_only else "Your work is back"
+            self._notices.tell(title, words)
+        path = None if is_view_only else path
         self._keeper.begin(label, scan, work, path, project.scan_sha256 if project is not None else "")
         self._controls.load(work.params)
 
     def _recall(self) -> tuple[Wish | None, str | None]:
         """Return what a page of this browser that has gone was at, or else the name of the scan it had last."""
         try:
+            if self._keeper.is_view_only:
+                # What the other pages of this browser were at stays theirs.
+                return None, self._read_storage(_VIEWED_KEY)
             known = self._read_storage(_BROWSER_KEY) or uuid.uuid4().hex
             self._client.local_storage.set_item(_BROWSER_KEY, known)
             wish = self._kept.take_up(known)

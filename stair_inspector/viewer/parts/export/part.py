@@ -110,7 +110,9 @@ class ExportPart(PagePart):
         """Say where the project is saved, or why it is not."""
         keeper = self._keeper
         path, saved_at = keeper.path, keeper.saved_at
-        if keeper.error:
+        if keeper.is_view_only:
+            words = "This page saves nothing"
+        elif keeper.error:
             words = f'<span style="color:{tone_css("bad")}">Not saved: {text(keeper.error)}</span>'
         elif path is not None and saved_at is not None:
             words = f"Saved at {saved_at.strftime('%H:%M:%S')} in {text(path.name)}"
