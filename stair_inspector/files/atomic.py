@@ -1,11 +1,26 @@
-"""Write files completely or not at all."""
+"""Write files completely or not at all; of several that belong together, all or none.
 
+Names are given to new files one after the other, and a program can be killed in between. So the names that are to be
+given are written down first, in a file of their own beside them; whoever writes into or checks the folder next gives
+the rest. What was killed earlier has changed nothing.
+"""
+
+import contextlib
+import json
 import os
+import shutil
 import tempfile
-from collections.abc import Mapping
+import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from stair_inspector.errors import WriteError
+
+_TEMPORARY, _LIST = ".si-", ".si-list-"
+_LONGEST_LIST = 100_000
+_MOST_FILES = 100
+_LEFT_S = 3600.0
+"""A temporary file that is older was left by a program that was killed: no file takes so long."""
 
 
 def write_atomically(path: Path, data: bytes) -> None:
@@ -20,9 +35,10 @@ def write_atomically(path: Path, data: bytes) -> None:
 
 
 def write_all_atomically(contents: Mapping[Path, bytes]) -> None:
-    """Write files that belong together.
+    """Write files that belong together: all of a folder, or none of it.
 
     The data of all goes to temporary files beside them and is flushed to the disk; only then do they take their names.
+    What a program that was killed had still to name in these folders is named first, see :func:`finish_writing`.
 
     Raises
     ------
@@ -30,32 +46,162 @@ def write_all_atomically(contents: Mapping[Path, bytes]) -> None:
         A folder is missing or cannot be written, a name is not possible, or the disk is full; the existing files are
         then untouched.
     """
-    staged: list[tuple[str, Path]] = []
     path = Path()
+    staged: list[tuple[Path, Path]] = []
+    lists: list[Path] = []
+    kept: list[tuple[Path, Path | None]] = []
     try:
+        for folder in {path.parent: None for path in contents}:
+            path = folder
+            folder.mkdir(parents=True, exist_ok=True)
+            finish_writing(folder)
         for path, data in contents.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
             if path.is_dir():
                 raise WriteError(f"{path}: cannot be written (it is a folder); choose another folder")
             mode = path.stat().st_mode & 0o777 if path.is_file() else 0o666 & ~_umask()
-            # A short name of its own: the file's may already be as long as the file system allows.
-            handle, temporary = tempfile.mkstemp(prefix=".si-", dir=path.parent)
-            staged.append((temporary, path))
-            with os.fdopen(handle, "wb") as stream:
-                stream.write(data)
-                stream.flush()
-                os.fsync(stream.fileno())
-            os.chmod(temporary, mode)
+            staged.append((_stage(path.parent, data, mode), path))
+        if len(staged) > 1:
+            lists = [_list_names(folder, staged) for folder in {path.parent: None for path in contents}]
         for temporary, path in staged:
-            os.replace(temporary, path)
+            if len(staged) > 1:
+                kept.append((path, _keep_old(path)))
+            _name(temporary, path)
     except OSError as error:
+        _undo(kept)
         reason = error.strerror or str(error)
         raise WriteError(f"{path}: cannot be written ({reason}); choose a folder you may write to") from error
-    finally:
+    except BaseException:
         # Also when the user interrupts.
-        for temporary, _ in staged:
-            if os.path.exists(temporary):
-                os.unlink(temporary)
+        _undo(kept)
+        raise
+    finally:
+        # The list goes first: without its files it would be an order to name what is not there.
+        old = (each for _, each in kept if each is not None)
+        for left in (*lists, *(temporary for temporary, _ in staged), *old):
+            with contextlib.suppress(OSError):
+                left.unlink(missing_ok=True)
+
+
+def finish_writing(folder: Path) -> list[str]:
+    """Give the names that a killed program had written down, and delete what it had not come to write down.
+
+    Parameters
+    ----------
+    folder : Path
+        Where files are written; need not be there.
+
+    Returns
+    -------
+    list of str
+        Names that were given.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be read or written.
+    """
+    named: list[str] = []
+    for waiting in sorted(folder.glob(f"{_LIST}*")):
+        for temporary, name in _read_list(waiting):
+            if (folder / temporary).is_file():
+                _name(folder / temporary, folder / name)
+                named.append(name)
+        waiting.unlink(missing_ok=True)
+    for left in folder.glob(f"{_TEMPORARY}*"):
+        with contextlib.suppress(FileNotFoundError):
+            # Of a kept old file the time of its content is older.
+            if time.time() - left.stat().st_ctime > _LEFT_S:
+                left.unlink()
+    return named
+
+
+def _stage(folder: Path, data: bytes, mode: int) -> Path:
+    """Write a temporary file to the disk."""
+    # A short name of its own: the file's may already be as long as the file system allows.
+    handle, temporary = tempfile.mkstemp(prefix=_TEMPORARY, dir=folder)
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.chmod(temporary, mode)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+    return Path(temporary)
+
+
+def _list_names(folder: Path, staged: Sequence[tuple[Path, Path]]) -> Path:
+    """Write down which names the temporary files of a folder are to get, completely or not at all."""
+    names = [[temporary.name, path.name] for temporary, path in staged if path.parent == folder]
+    temporary = _stage(folder, json.dumps(names).encode("ascii"), 0o600)
+    # Its name tells that it is whole.
+    listed = folder / f"{_LIST}{temporary.name.removeprefix(_TEMPORARY)}"
+    try:
+        os.replace(temporary, listed)
+    except OSError:
+        temporary.unlink()
+        raise
+    return listed
+
+
+def _read_list(path: Path) -> list[tuple[str, str]]:
+    """Return what a list says; nothing of one that is not as this program writes them."""
+    try:
+        with path.open("rb") as stream:
+            entries = json.loads(stream.read(_LONGEST_LIST))
+    except (FileNotFoundError, ValueError, RecursionError):
+        return []
+    if not isinstance(entries, list) or len(entries) > _MOST_FILES:
+        return []
+    names: list[tuple[str, str]] = []
+    for entry in entries:
+        if not (isinstance(entry, list) and len(entry) == 2 and all(isinstance(each, str) for each in entry)):
+            return []
+        temporary, name = entry
+        # Nothing but names within the folder, and nothing but temporary files is named.
+        if not temporary.startswith(_TEMPORARY) or any(_is_no_name(each) for each in entry):
+            return []
+        names.append((temporary, name))
+    return names
+
+
+def _is_no_name(name: str) -> bool:
+    return name in ("", ".", "..") or name != os.path.basename(name) or "\\" in name or "\0" in name
+
+
+def _name(temporary: Path, path: Path) -> None:
+    try:
+        os.replace(temporary, path)
+    except FileNotFoundError:
+        # Another program has come to finish this one's work.
+        if not path.is_file():
+            raise
+
+
+def _keep_old(path: Path) -> Path | None:
+    """Keep a file that will be replaced, until all are; None where there is none."""
+    if not path.is_file():
+        return None
+    handle, old = tempfile.mkstemp(prefix=_TEMPORARY, dir=path.parent)
+    os.close(handle)
+    os.unlink(old)
+    try:
+        os.link(path, old)
+    except OSError:
+        # Not every file system has links.
+        shutil.copy2(path, old)
+    return Path(old)
+
+
+def _undo(kept: Sequence[tuple[Path, Path | None]]) -> None:
+    """Bring the files back that were replaced."""
+    for path, old in reversed(kept):
+        with contextlib.suppress(OSError):
+            if old is not None:
+                os.replace(old, path)
+            else:
+                path.unlink(missing_ok=True)
 
 
 def _umask() -> int:
