@@ -24,11 +24,11 @@ from stair_inspector.files.settings import list_presets, params_to_dict
 from stair_inspector.params import SETTINGS, Params
 from stair_inspector.pipeline import inspect
 from stair_inspector.quantities import PAPER_QUANTITIES, QUANTITIES
-from stair_inspector.writers.inspection import write_inspection
+from stair_inspector.writers.inspection import inspection_files
 from tests.synthetic import Stair
 
 ROOT = Path(__file__).parent.parent
-COMMANDS = ("view", "measure", "check", "compare", "rules", "simulate", "presets", "quantities", "completion")
+COMMANDS = ("view", "measure", "check", "compare", "verify", "rules", "simulate", "presets", "quantities", "completion")
 UP_Z = ("--up", "z", "--unit", "m")
 
 
@@ -103,7 +103,9 @@ def test_the_help_names_every_command_and_exit_code(run):
     assert code == 0
     for command in COMMANDS:
         assert f"\n  {command} " in out
-    assert "exit codes: 0 done; 1 check found a value outside a limit;" in out
+    assert (
+        "exit codes: 0 done; 1 check found a value outside a limit, or verify files that do not belong together;" in out
+    )
     assert "2 wrong usage or settings" in out
     assert "3 a scan could not be read or measured" in out
 
@@ -153,12 +155,13 @@ def test_presets_are_listed_with_their_descriptions(run):
 # --- measure -------------------------------------------------------------------------------------------------------
 
 
-def test_measure_prints_the_papers_table_and_writes_three_files(run, stair_file, tmp_path):
+def test_measure_prints_the_papers_table_and_writes_its_files(run, stair_file, tmp_path):
     code, out, err = run("measure", stair_file, "-o", tmp_path / "out", *UP_Z, "--method", "paper")
     assert (code, err) == (0, "")
     assert sorted(file.name for file in (tmp_path / "out").iterdir()) == [
         "stair.csv",
         "stair.json",
+        "stair.manifest.json",
         "stair_debug.ply",
     ]
     lines = out.splitlines()
@@ -267,7 +270,8 @@ def test_with_several_scans_the_others_are_still_done(run, stair_file, tmp_path)
     assert len(errors) == 3
     assert [next(k for k, scan in enumerate(scans) if scan.name in line) for line in errors] == [1, 0, 2]
     assert "stair.ply: " in out
-    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == ["stair.csv", "stair.json", "stair_debug.ply"]
+    names = ["stair.csv", "stair.json", "stair.manifest.json", "stair_debug.ply"]
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == names
 
 
 def test_the_same_file_named_twice_is_measured_once(run, stair_file, tmp_path):
@@ -399,12 +403,14 @@ def test_a_project_gives_the_very_numbers_of_its_settings(run, tmp_path, project
     code, _, err = run("measure", *named, "--project", project_file, "-o", tmp_path / "out")
     assert (code, err) == (0, "")
     inspection = inspect(read_scan(scan, "m"), DECIDED)
-    write_inspection(read_scan(scan, "m"), inspection, tmp_path / "expected", scan.stem)
+    expected = inspection_files(read_scan(scan, "m"), inspection)
     assert len(inspection.steps) == 4, "the fifth level was rejected"
-    for name in ("Stair ß.csv", "Stair ß_debug.ply"):
-        assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "expected" / name).read_bytes()
+    for suffix in (".csv", "_debug.ply"):
+        assert (tmp_path / "out" / f"Stair ß{suffix}").read_bytes() == expected[suffix]
     document = without_times(tmp_path / "out" / "Stair ß.json")
-    assert document == without_times(tmp_path / "expected" / "Stair ß.json")
+    wanted = json.loads(expected[".json"])
+    assert wanted.pop("timings_s")
+    assert document == wanted
     assert document["settings"]["levels"]["eps_m"] == 0.0123456789
 
 
@@ -554,7 +560,7 @@ def test_only_flights_that_climb_the_given_way_are_measured(measured, climb, n_f
 
 
 def test_unknown_command(run):
-    commands = "view, measure, check, compare, rules, simulate, presets, quantities, completion"
+    commands = "view, measure, check, compare, verify, rules, simulate, presets, quantities, completion"
     expected = f"'mesure' is no command; give one of {commands} (see --help)"
     assert refusal(run, "mesure", "a.ply") == expected
 

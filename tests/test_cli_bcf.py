@@ -31,7 +31,7 @@ def test_the_pins_of_a_project_are_topics_and_rows_of_the_json(run, tmp_path, pr
     with zipfile.ZipFile(target) as read:
         topic = ElementTree.fromstring(read.read(f"{GUID}/markup.bcf")).find("Topic")
     assert topic.find("Description").text == "loose nosing"
-    assert GUID in next(tmp_path.glob("*.json")).read_text(encoding="utf-8")
+    assert GUID in (tmp_path / "stair.json").read_text(encoding="utf-8")
 
 
 def test_a_file_that_cannot_be_written_is_said_before_the_work(run, tmp_path, stair_file, project_file):  # noqa: F811

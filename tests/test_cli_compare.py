@@ -35,7 +35,9 @@ def test_two_scans_are_compared_and_written(run, scans, tmp_path):  # noqa: F811
     assert lines[0].startswith("earlier.ply -> later.ply: 5 steps in both; laid onto each other with U of a height of ")
     assert "  no value changed by more than its uncertainty and chance explain" in lines
     made = tmp_path / "made" / "earlier_later_comparison.json"
-    assert lines[-1] == f"  wrote {made}, {made.with_suffix('.csv')}"
+    manifest = made.parent / "earlier_later.manifest.json"
+    assert lines[-1] == f"  wrote {made}, {made.with_suffix('.csv')}, {manifest}"
+    assert [each["file"] for each in json.loads(manifest.read_text())["scans"]] == ["earlier.ply", "later.ply"]
     assert json.loads(made.read_text())["schema"] == "stair-inspector/comparison-1"
 
 

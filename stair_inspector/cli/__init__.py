@@ -15,7 +15,7 @@ from stair_inspector import __version__
 from stair_inspector.cli.output import internal_words, report_error
 from stair_inspector.errors import CannotMeasure, ConfigError, StairError
 
-COMMANDS = ("view", "measure", "check", "compare", "rules", "simulate", "presets", "quantities", "completion")
+COMMANDS = ("view", "measure", "check", "compare", "verify", "rules", "simulate", "presets", "quantities", "completion")
 
 _USAGE = """\
 usage: stair-inspector [COMMAND] [OPTIONS]
@@ -30,6 +30,7 @@ commands:
   check SCAN ... --rules ID measure, then hold every value against a rule set; -o DIR writes the files of measure too
   compare BEFORE AFTER      what changed between two scans of one stair, beyond the uncertainty of both;
                             -o DIR writes DIR/BEFORE_AFTER_comparison.json and .csv
+  verify DIR                whether the results in a folder belong together, or what was changed since
   rules                     list the rule sets; --show ID prints one, --toml ID its file, to copy and change
   simulate OUT.ply          a scan of a known staircase by a simulated scanner, and OUT.truth.json
   presets                   list the presets
@@ -38,7 +39,7 @@ commands:
 
   stair-inspector COMMAND --help lists a command's options; --version prints the version.
 
-exit codes: 0 done; 1 check found a value outside a limit;
+exit codes: 0 done; 1 check found a value outside a limit, or verify files that do not belong together;
             2 wrong usage or settings, or an output that cannot be written;
             3 a scan could not be read or measured, nothing in it be judged, or two be compared (the others are done)
             0 from check is no pass by itself: values that were not measured are listed as such
@@ -56,8 +57,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit code: 0 done; 1 a value outside a limit; 2 wrong usage, settings or output folder; 3 a scan could not be
-        read, measured or judged.
+        Exit code: 0 done; 1 a value outside a limit, or results that do not belong together; 2 wrong usage, settings
+        or output folder; 3 a scan could not be read, measured or judged.
     """
     args = list(sys.argv[1:] if argv is None else argv)
     if isinstance(sys.stdout, io.TextIOWrapper):

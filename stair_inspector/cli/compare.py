@@ -53,26 +53,29 @@ def run(args: list[str]) -> int:
     made_at = time_of_report()
     try:
         found, scan, inspection = _compare(options.before, options.after, options.settings)
-        from stair_inspector.writers.comparison import comparison_text, write_comparison
+        from stair_inspector.writers.comparison import comparison_files, comparison_text
+        from stair_inspector.writers.record import hashes_of, results_words, write_files
 
         paths: list[Path] = []
         if folder is not None:
-            stems = options.before.stem, options.after.stem
-            paths += write_comparison(found, folder, *stems)
+            stem = f"{options.before.stem}_{options.after.stem}"
+            files = comparison_files(found)
             if basis is not None:
                 from stair_inspector.model import ComparedScan
-                from stair_inspector.writers.report import write_report
+                from stair_inspector.writers.report import report_files
 
-                paths += write_report(
+                name = "_comparison.json"
+                files |= report_files(
                     scan,
                     inspection,
-                    folder,
-                    "_".join(stems),
                     basis,
                     made_at,
                     length=length_asked_for(options),
                     compared=ComparedScan(found, is_earlier=False),
+                    results=results_words(f"{stem}{name}", files[name]),
                 )
+            scans = hashes_of((found.before, found.after))
+            paths = write_files(folder, stem, files, scans, options.settings, made_at)
         written = f"\n  wrote {', '.join(str(path) for path in paths)}" if paths else ""
     except StairError as error:
         if options.debug:

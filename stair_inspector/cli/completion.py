@@ -8,7 +8,7 @@ import re
 from stair_inspector.cli.arguments import is_answered
 from stair_inspector.cli.output import say
 
-_WITH_OPTIONS = ("view", "measure", "check", "compare", "rules", "simulate")
+_WITH_OPTIONS = ("view", "measure", "check", "compare", "verify", "rules", "simulate")
 _WITHOUT = ("presets", "quantities", "completion")
 _WORDS = """\
 Prints what bash needs to complete commands, options and their values. For bash:

@@ -2,7 +2,7 @@
 
 import traceback
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,7 +12,7 @@ from typing_extensions import Doc
 
 from stair_inspector.cli.arguments import CommonOptions, value_of
 from stair_inspector.cli.output import internal_words, report_error
-from stair_inspector.cli.report_options import ReportOptions
+from stair_inspector.cli.report_options import ReportOptions, is_time_stated
 from stair_inspector.codes.findings import Decision
 from stair_inspector.errors import CannotMeasure, ConfigError, ReadError, StairError
 
@@ -203,24 +203,14 @@ def write_results(
     compared: "ComparedScan | None" = None,
 ) -> str:
     """Write the files of measure, and the report if there is a basis for one, and say which."""
-    from stair_inspector.writers.inspection import write_inspection
+    from stair_inspector.writers.record import write_record
 
-    written = list(write_inspection(scan, inspection, folder, path.stem, found, segmented, pinned, compared))
-    if basis is not None:
-        from stair_inspector.writers.report import write_report
-
-        written += write_report(
-            scan,
-            inspection,
-            folder,
-            path.stem,
-            basis,
-            made_at,
-            found,
-            length=length,
-            pinned=pinned,
-            compared=compared,
-        )
+    if is_time_stated():
+        # What is made with a stated time is the same each time.
+        inspection = replace(inspection, timings_s={})
+    written = write_record(
+        scan, inspection, folder, path.stem, made_at, found, segmented, pinned, basis, length, compared
+    )
     return f"wrote {', '.join(str(file) for file in written)}"
 
 

@@ -12,6 +12,8 @@ from typing_extensions import Doc
 from stair_inspector.cli.arguments import check_folder
 from stair_inspector.errors import ConfigError
 
+_STATED_TIME = "SOURCE_DATE_EPOCH"
+
 if TYPE_CHECKING:
     from stair_inspector.content.fields import ReportBasis
     from stair_inspector.content.short import ReportLength
@@ -84,12 +86,17 @@ def report_folder(options: ReportOptions, out: str, command: str, basis: "Report
     return None
 
 
+def is_time_stated() -> bool:
+    """Return whether ``SOURCE_DATE_EPOCH`` states a time, as reproducible builds do."""
+    return bool(os.environ.get(_STATED_TIME))
+
+
 def time_of_report() -> datetime:
     """Return when a report is made: now, or the time that reproducible builds state in ``SOURCE_DATE_EPOCH``."""
-    stated = os.environ.get("SOURCE_DATE_EPOCH", "")
+    stated = os.environ.get(_STATED_TIME, "")
     if not stated:
         return datetime.now().astimezone()
     try:
         return datetime.fromtimestamp(int(stated), UTC)
     except (ValueError, OverflowError, OSError) as error:
-        raise ConfigError(f"SOURCE_DATE_EPOCH: got {stated[:60]!r}; give whole seconds since 1970") from error
+        raise ConfigError(f"{_STATED_TIME}: got {stated[:60]!r}; give whole seconds since 1970") from error

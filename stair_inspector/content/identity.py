@@ -29,8 +29,8 @@ def _facts(group: str, fields: ReportFields) -> Facts:
     return Facts(group.lower().replace("-", "_"), group, items)
 
 
-def instrument_blocks(inspection: Inspection, basis: ReportBasis) -> list[Block]:
-    """Return what the stair was scanned with, and the scan."""
+def instrument_blocks(inspection: Inspection, basis: ReportBasis, results: str = "") -> list[Block]:
+    """Return what the stair was scanned with, the scan, and the results that belong to the report."""
     scan, up = inspection.scan, inspection.up
     vector = ", ".join(f"{tidy(component, 6):.6f}" for component in up.vector)
     source = {"given": "given by the user", "floor": "normal of the floor", "treads": "normal of the treads"}[up.source]
@@ -47,6 +47,7 @@ def instrument_blocks(inspection: Inspection, basis: ReportBasis) -> list[Block]
         ("U of the vertical", "not stated" if up.u_deg is None else f"{tidy(up.u_deg, 3):.3f}° (k = 2)"),
         ("Method", "survey, nosing to nosing" if inspection.params.method == "survey" else "paper (Joo et al.)"),
         ("Software", f"stair_inspector {__version__}"),
+        *((("Results", plain(results)),) if results else ()),
     )
     return [
         _facts("Instrument", basis.fields),

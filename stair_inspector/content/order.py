@@ -60,6 +60,7 @@ def build_document(
     pictures: Pictures | None = None,
     pinned: PinnedFindings | None = None,
     compared: ComparedScan | None = None,
+    results: str = "",
 ) -> Document:
     """Return a report's content: the same input gives the same document.
 
@@ -79,6 +80,8 @@ def build_document(
         Pins of the inspector, and what was said of findings.
     compared : ComparedScan, optional
         What changed against a second scan.
+    results : str, optional
+        Name and SHA-256 of the file of results that belongs to the report.
     """
     listed = list_findings(inspection, check, pinned or PinnedFindings())
     pictures = pictures or Pictures()
@@ -86,7 +89,7 @@ def build_document(
         ("Summary", _summary(inspection, check)),
         ("Findings", finding_blocks(listed)),
         ("Identification", identification_blocks(basis, check)),
-        ("Instrument and scan", instrument_blocks(inspection, basis)),
+        ("Instrument and scan", instrument_blocks(inspection, basis, results)),
         ("Views", _views(pictures, basis)),
         ("Dimensions of the steps", _steps(inspection, check, pictures)),
         ("Uniformity", _uniformity(inspection, pictures)),

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,11 +18,11 @@ from stair_inspector.interface.plain_table import PlainTable, TableCell, as_pand
 from stair_inspector.model import Flight, Inspection, Note, Observation, Scan, ScanComparison, Step
 from stair_inspector.params import Params
 from stair_inspector.quantities import IN_TABLE, SHOWN_OF_PAPER
-from stair_inspector.writers.comparison import comparison_json_bytes, write_comparison
+from stair_inspector.writers.comparison import comparison_files, comparison_json_bytes
 from stair_inspector.writers.csv import CSV_COLUMNS, csv_column, csv_rows
 from stair_inspector.writers.html import notebook_html
-from stair_inspector.writers.inspection import write_inspection
 from stair_inspector.writers.json import json_bytes
+from stair_inspector.writers.record import hashes_of, write_files, write_record
 
 if TYPE_CHECKING:
     import pandas
@@ -108,14 +109,14 @@ class StairInspection:
         return json_bytes(self.inspection).decode("utf-8")
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write JSON, CSV and coloured PLY, named as the scan, into a folder, and return their paths.
+        """Write JSON, CSV, coloured PLY and their manifest, named as the scan, into a folder, and return their paths.
 
         Raises
         ------
         WriteError
             The folder cannot be made or written; files that existed are untouched.
         """
-        return write_inspection(self.scan, self.inspection, Path(folder), Path(self.scan.name).stem)
+        return write_record(self.scan, self.inspection, Path(folder), Path(self.scan.name).stem, _now())
 
     def _main_columns(self) -> Iterable[str]:
         if self.params.method == "paper":
@@ -221,15 +222,17 @@ class StairComparison:
         return comparison_json_bytes(self.comparison).decode("utf-8")
 
     def write(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write JSON and CSV, named as the two scans, into a folder, and return their paths.
+        """Write JSON, CSV and their manifest, named as the two scans, into a folder, and return their paths.
 
         Raises
         ------
         WriteError
             The folder cannot be made or written; files that existed are untouched.
         """
-        stems = (Path(scan.name).stem for scan in (self.comparison.before, self.comparison.after))
-        return write_comparison(self.comparison, Path(folder), *stems)
+        both = self.comparison.before, self.comparison.after
+        stem = "_".join(Path(scan.name).stem for scan in both)
+        files = comparison_files(self.comparison)
+        return write_files(Path(folder), stem, files, hashes_of(both), None, _now())
 
     def __repr__(self) -> str:
         found = self.comparison
@@ -241,6 +244,10 @@ class StairComparison:
 
 def _plain_cell(cell: Cell) -> TableCell:
     return cell.value if isinstance(cell, Number) else cell.words if isinstance(cell, Status) else cell
+
+
+def _now() -> datetime:
+    return datetime.now().astimezone()
 
 
 def _counted(count: int, what: str) -> str:

@@ -3,12 +3,10 @@
 import csv
 import io
 import json
-from pathlib import Path
 from typing import Any
 
 from stair_inspector.content.cells import millimetres
 from stair_inspector.content.comparisons import changes_table, comparison_to_dict
-from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.model import Measured, ScanComparison, ValueChange
 from stair_inspector.quantities import quantity_of
 from stair_inspector.writers.text import aligned
@@ -54,23 +52,9 @@ def comparison_text(found: ScanComparison) -> str:
     return "\n".join(lines)
 
 
-def comparison_paths(folder: Path, before: str, after: str) -> list[Path]:
-    """Return where the JSON and the CSV of two scans with these stems go."""
-    return [folder / f"{before}_{after}_comparison{ending}" for ending in (".json", ".csv")]
-
-
-def write_comparison(found: ScanComparison, folder: Path, before: str, after: str) -> list[Path]:
-    """Write ``BEFORE_AFTER_comparison.json`` and ``.csv`` into a folder, each completely or not at all.
-
-    Raises
-    ------
-    WriteError
-        The folder cannot be written; files that existed are untouched.
-    """
-    paths = comparison_paths(folder, before, after)
-    contents = [comparison_json_bytes(found), comparison_csv_bytes(found)]
-    write_all_atomically(dict(zip(paths, contents, strict=True)))
-    return paths
+def comparison_files(found: ScanComparison) -> dict[str, bytes]:
+    """Return ``_comparison.json`` and ``.csv`` by what is added to the stems of both scans."""
+    return {"_comparison.json": comparison_json_bytes(found), "_comparison.csv": comparison_csv_bytes(found)}
 
 
 def _name_and_unit(value: ValueChange) -> tuple[str, str]:

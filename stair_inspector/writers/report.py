@@ -1,8 +1,7 @@
-"""A report in all its formats and its drawings, made from one content, and written completely or not at all."""
+"""A report in all its formats and its drawings, made from one content."""
 
 from collections.abc import Sequence
 from datetime import datetime
-from pathlib import Path
 
 from stair_inspector.codes.findings import Check
 from stair_inspector.content.document import Document
@@ -10,7 +9,6 @@ from stair_inspector.content.fields import ReportBasis
 from stair_inspector.content.order import build_document
 from stair_inspector.content.pins import PinnedFindings
 from stair_inspector.content.short import ReportLength, shortened
-from stair_inspector.files.atomic import write_all_atomically
 from stair_inspector.model import ComparedScan, Inspection, Scan
 from stair_inspector.pictures.report_views import RenderedView
 from stair_inspector.writers.dxf import dxf_files
@@ -34,6 +32,7 @@ def make_report(
     views: Sequence[RenderedView] | None = None,
     pinned: PinnedFindings | None = None,
     compared: ComparedScan | None = None,
+    results: str = "",
 ) -> Document:
     """Return a report's content with its pictures.
 
@@ -53,10 +52,12 @@ def make_report(
         Pins of the inspector, and what was said of findings.
     compared : ComparedScan, optional
         What changed against a second scan, which has a page of its own.
+    results : str, optional
+        Name and SHA-256 of the JSON that is written with it.
     """
     title = basis.fields.stair or basis.fields.title
     pictures = draw_pictures(scan, inspection, check, made_at, title=title, views=views, compared=compared)
-    return build_document(inspection, check, basis, made_at, pictures, pinned, compared)
+    return build_document(inspection, check, basis, made_at, pictures, pinned, compared, results)
 
 
 def of_length(document: Document, length: ReportLength) -> dict[str, Document]:
@@ -88,11 +89,9 @@ def drawing_bytes(inspection: Inspection, made_at: datetime) -> dict[str, bytes]
     return {DRAWING_SUFFIXES[key]: data for key, data in dxf_files(inspection, made_at).items()}
 
 
-def write_report(
+def report_files(
     scan: Scan,
     inspection: Inspection,
-    folder: Path,
-    stem: str,
     basis: ReportBasis,
     made_at: datetime,
     check: Check | None = None,
@@ -100,8 +99,9 @@ def write_report(
     pinned: PinnedFindings | None = None,
     length: ReportLength = "short",
     compared: ComparedScan | None = None,
-) -> list[Path]:
-    """Write ``STEM_report.pdf``, ``.html``, ``.xlsx``, ``STEM_plan.dxf`` and ``STEM_section.dxf`` into a folder.
+    results: str = "",
+) -> dict[str, bytes]:
+    """Return ``_report.pdf``, ``.html``, ``.xlsx``, ``_plan.dxf`` and ``_section.dxf`` by what is added to the stem.
 
     Parameters as :func:`make_report`, and ``length`` as :func:`report_bytes`.
 
@@ -109,11 +109,6 @@ def write_report(
     ------
     MissingLibrary
         A library that typesets is not installed.
-    WriteError
-        The folder cannot be written; files that existed are untouched.
     """
-    document = make_report(scan, inspection, basis, made_at, check, views, pinned, compared)
-    made = report_bytes(document, length) | drawing_bytes(inspection, made_at)
-    contents = {folder / f"{stem}{suffix}": data for suffix, data in made.items()}
-    write_all_atomically(contents)
-    return list(contents)
+    document = make_report(scan, inspection, basis, made_at, check, views, pinned, compared, results)
+    return report_bytes(document, length) | drawing_bytes(inspection, made_at)

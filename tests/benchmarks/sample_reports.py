@@ -20,7 +20,8 @@ from stair_inspector.files.scans import read_scan
 from stair_inspector.files.settings import find_preset
 from stair_inspector.pipeline import inspect
 from stair_inspector.writers.pdf import page_pngs
-from stair_inspector.writers.report import make_report, write_report
+from stair_inspector.writers.record import write_record
+from stair_inspector.writers.report import make_report
 
 MADE_AT = datetime(2026, 11, 22, 12, 0, tzinfo=UTC)
 RULES = "us-ibc-2021-dwelling"
@@ -75,7 +76,7 @@ def make(name: str, folder: Path, pictures: Path | None) -> None:
     scan = read_scan(sample_scans() / f"{name}.ply")
     inspection = inspect(scan, find_preset("tls").params)
     found = check(inspection, find_rule_set(RULES))
-    for path in write_report(scan, inspection, folder, name, basis_of(name), MADE_AT, found, length="full"):
+    for path in write_record(scan, inspection, folder, name, MADE_AT, found, basis=basis_of(name), length="full"):
         print(path)
     if pictures is not None:
         pages = page_pngs(make_report(scan, inspection, basis_of(name), MADE_AT, found), 66.0)

@@ -26,7 +26,16 @@ from tests.browser.test_workspace import LARGE, button, open_folder, row_input, 
 
 MAKING_MS = 120_000
 """Longest wait for a report: six views in software rendering."""
-ENDINGS = ("_report.pdf", "_report.html", "_report.xlsx", "_plan.dxf", "_section.dxf", ".csv", ".json")
+ENDINGS = (
+    "_report.pdf",
+    "_report.html",
+    "_report.xlsx",
+    "_plan.dxf",
+    "_section.dxf",
+    ".csv",
+    ".json",
+    ".manifest.json",
+)
 HOSTILE = "Hall <b>&</b> #panic() =1+1"
 FIELDS = "Who, where, with what"
 

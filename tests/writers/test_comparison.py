@@ -18,9 +18,9 @@ from stair_inspector.model import ComparedScan
 from stair_inspector.quantities import quantity_of
 from stair_inspector.writers.comparison import (
     comparison_csv_bytes,
+    comparison_files,
     comparison_json_bytes,
     comparison_text,
-    write_comparison,
 )
 from stair_inspector.writers.json import json_bytes
 from stair_inspector.writers.xlsx import xlsx_bytes
@@ -75,10 +75,10 @@ def test_the_table_stars_what_changed_and_nothing_else():
     assert "*" not in "".join(str(cell) for row in changes_table(compared(False)).rows for cell in row)
 
 
-def test_both_files_are_written(tmp_path):
-    paths = write_comparison(compared(True), tmp_path / "results", "earlier", "later")
-    assert [path.name for path in paths] == ["earlier_later_comparison.json", "earlier_later_comparison.csv"]
-    assert paths[0].read_bytes() == comparison_json_bytes(compared(True))
+def test_both_files_are_made():
+    files = comparison_files(compared(True))
+    assert list(files) == ["_comparison.json", "_comparison.csv"]
+    assert files["_comparison.json"] == comparison_json_bytes(compared(True))
 
 
 def test_the_json_of_an_inspection_holds_the_comparison_or_null():

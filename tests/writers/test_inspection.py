@@ -6,7 +6,6 @@ import functools
 import io
 import itertools
 import json
-from pathlib import Path
 
 import jsonschema
 import numpy as np
@@ -14,16 +13,14 @@ import pytest
 import trimesh
 
 from stair_inspector import __version__
-from stair_inspector.errors import WriteError
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.files.paths import static_configs
 from stair_inspector.model import Flight, Inspection, Measured, Patch, Statistics
 from stair_inspector.overrules import OverrulesParams
 from stair_inspector.pipeline import inspect
-from stair_inspector.writers import inspection as files_of_inspection
 from stair_inspector.writers.csv import CSV_COLUMNS, csv_bytes
 from stair_inspector.writers.debug_ply import debug_ply_bytes
-from stair_inspector.writers.inspection import write_inspection
+from stair_inspector.writers.inspection import inspection_files
 from stair_inspector.writers.json import json_bytes
 from tests.oracles import open3d_or_skip
 from tests.synthetic import Stair, exact_params, make_scan
@@ -771,28 +768,10 @@ def test_measuring_lines_have_a_colour_of_their_own(name):
 # --- files ---------------------------------------------------------------------------------------------------------
 
 
-def test_three_files_are_written_under_the_stem(tmp_path):
+def test_three_files_are_made():
     scan, inspection = case("stair")
-    written = write_inspection(scan, inspection, tmp_path / "new" / "folder", "scan.v2")
-    folder = tmp_path / "new" / "folder"
-    assert written == [folder / "scan.v2.json", folder / "scan.v2.csv", folder / "scan.v2_debug.ply"]
-    assert sorted(folder.iterdir()) == sorted(written)
-    assert written[0].read_bytes() == json_bytes(inspection)
-    assert written[1].read_bytes() == csv_bytes(inspection)
-    assert written[2].read_bytes() == debug_ply_bytes(scan, inspection)
-
-
-def test_nothing_is_written_when_a_result_cannot_be_made(tmp_path, monkeypatch):
-    def fail(*_):
-        raise MemoryError
-
-    monkeypatch.setattr(files_of_inspection, "debug_ply_bytes", fail)
-    with pytest.raises(MemoryError):
-        write_inspection(*case("stair"), tmp_path, "scan")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_file_as_folder_is_a_write_error(tmp_path):
-    (tmp_path / "file").write_bytes(b"")
-    with pytest.raises(WriteError, match="cannot be written"):
-        write_inspection(*case("stair"), Path(tmp_path / "file"), "scan")
+    assert inspection_files(scan, inspection) == {
+        ".json": json_bytes(inspection),
+        ".csv": csv_bytes(inspection),
+        "_debug.ply": debug_ply_bytes(scan, inspection),
+    }

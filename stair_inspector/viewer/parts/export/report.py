@@ -21,6 +21,7 @@ from stair_inspector.writers.csv import csv_bytes
 from stair_inspector.writers.html import html_bytes
 from stair_inspector.writers.json import json_bytes
 from stair_inspector.writers.pdf import pdf_bytes
+from stair_inspector.writers.record import hashes_of, results_words, with_manifest
 from stair_inspector.writers.report import DRAWING_SUFFIXES, SUFFIXES, drawing_bytes, make_report, of_length
 from stair_inspector.writers.xlsx import xlsx_bytes
 from stair_inspector.writers.zips import zip_bytes
@@ -114,8 +115,19 @@ class ReportMaker:
         # A workbook has no pictures.
         views = () if kind == "XLSX" else self._views_of(order, tell)
         tell("report: charts and drawings …", _VIEWS_PERCENT)
+        json_name = f"{stem}.json"
+        results = json_bytes(shown.inspection, order.check, order.pinned, order.compared)
         document = make_report(
-            shown.scan, shown.inspection, order.basis, order.made_at, order.check, views, order.pinned, order.compared
+            shown.scan,
+            shown.inspection,
+            order.basis,
+            order.made_at,
+            order.check,
+            views,
+            order.pinned,
+            order.compared,
+            # A single document goes without the JSON.
+            "" if kind in DOCUMENTS else results_words(json_name, results),
         )
         told = dict(zip(DOCUMENTS, of_length(document, order.length).values(), strict=True))
         if kind in DOCUMENTS:
@@ -124,13 +136,16 @@ class ReportMaker:
         files: dict[str, bytes] = {}
         for number, name in enumerate(DOCUMENTS):
             tell(f"report: {name} …", 80.0 + 4.0 * number)
-            files[f"{stem}{_ENDINGS[name]}"] = _MAKERS[name](told[name])
+            files[_ENDINGS[name]] = _MAKERS[name](told[name])
         tell("report: drawings …", 94.0)
-        for suffix, data in drawing_bytes(shown.inspection, order.made_at).items():
-            files[f"{stem}{suffix}"] = data
-        files[f"{stem}.csv"] = csv_bytes(shown.inspection)
-        files[f"{stem}.json"] = json_bytes(shown.inspection, order.check, order.pinned, order.compared)
-        return zip_bytes(files, order.made_at)
+        files |= drawing_bytes(shown.inspection, order.made_at)
+        files |= {".csv": csv_bytes(shown.inspection), ".json": results}
+        compared = order.compared
+        measured = hashes_of(
+            [shown.inspection.scan] if compared is None else [compared.found.before, compared.found.after]
+        )
+        made = with_manifest(stem, files, measured, shown.inspection.params, order.made_at.astimezone(), order.check)
+        return zip_bytes(made, order.made_at)
 
     def _drawn(self, kind: str, order: _Order) -> bytes:
         made = drawing_bytes(order.shown.inspection, order.made_at)
