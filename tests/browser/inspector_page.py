@@ -191,9 +191,13 @@ class InspectorPage:
     def notifications(self):
         return [item.inner_text() for item in self.page.locator(".mantine-Notification-root").all()]
 
-    def opacity_of_results(self):
-        """Opacity of the table, as the browser draws it."""
-        return float(self.by_id("steps").evaluate("(element) => getComputedStyle(element).opacity"))
+    def is_stale(self):
+        """Whether the table is drawn as that of other settings: grey in a dashed frame, and as dark as ever."""
+        drawn = "(element) => { const s = getComputedStyle(element); return [s.filter, s.outlineStyle, s.opacity]; }"
+        grey, frame, opacity = self.by_id("steps").evaluate(drawn)
+        assert opacity == "1"
+        assert (grey == "grayscale(1)") == (frame == "dashed")
+        return frame == "dashed"
 
     def picture(self):
         """The scene as it is on the screen, (h, w, 3), black where the toolbar lies on it."""

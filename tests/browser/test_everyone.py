@@ -4,7 +4,8 @@ import pytest
 
 from stair_inspector.files.palettes import read_palette
 from stair_inspector.viewer.bridge.tour import STOPS
-from tests.browser.inspector_page import share_of
+from tests.browser.inspector_page import THROTTLE_MS, share_of
+from tests.browser.test_findings import lines_of
 from tests.browser.test_layout import TABS
 
 _GRAVE = ("serious", "critical")
@@ -28,12 +29,12 @@ SAID_TWICE = """() => {
     const seen = new Map(), walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
     while (walk.nextNode()) {
         const of = walk.currentNode.parentElement, words = walk.currentNode.textContent.trim();
-        if (words.length < 40 || of.closest('script, style') || !of.checkVisibility()) continue;
+        if (words.length < 40 || of.closest('script, style, [data-testid=notes]') || !of.checkVisibility()) continue;
         seen.set(words, (seen.get(words) ?? 0) + 1);
     }
     return [...seen].filter(([, count]) => count > 1).map(([words]) => words);
 }"""
-"""Sentences that are on the page more than once."""
+"""Sentences that are on the page more than once, but for the notes: their folder is open only for who asks for it."""
 
 
 def faults(page):
@@ -66,6 +67,14 @@ def test_nothing_on_any_tab_keeps_anybody_out(open_page, is_dark):
     page = open_page()
     if is_dark:
         page.set_dark(True)
+    # A finding to be listed, with its buttons.
+    page.click_row(3)
+    page.await_selection(3)
+    page.tab("Findings")
+    lines_of(page, "Words").fill("The nosing is loose.")
+    page.page.wait_for_timeout(THROTTLE_MS)
+    page.page.get_by_role("button", name="Set the pin", exact=True).and_(page.page.locator("button")).click()
+    page.by_id("finding-row").first.wait_for()
     for tab in TABS:
         page.tab(tab)
         # Folders lie in folders.

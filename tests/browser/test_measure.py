@@ -119,12 +119,12 @@ def test_a_number_out_of_range_is_a_sentence_and_the_good_table_stays_dimmed(pag
     sentence = page.await_error()
     assert sentence == "paper's α_f [%]: got 500; give a value from 51 to 100"
     assert page.table() == good
-    assert page.opacity_of_results() < 0.6
+    assert page.is_stale()
     assert page.by_id("state").get_attribute("data-state") == "error"
     page.type_number("paper's α_f [%]", 90)
     page.await_result("α 90/5 %")
     assert page.by_id("error").count() == 0
-    assert page.opacity_of_results() == 1.0
+    assert not page.is_stale()
     assert page.table() == rows_of(measured({"edges.front_percentile": 90.0}))
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.browser.inspector_page import InspectorPage
+from tests.browser.inspector_page import InspectorPage, click_at_once
 from tests.browser.test_docked import places
 
 TABLET = (1024, 768)
@@ -76,6 +76,37 @@ def test_a_tablet_has_room_for_all_and_is_used_by_a_finger(browser, app):
 
 
 @pytest.mark.slow
+def test_a_drag_of_the_tables_edge_goes_on_while_the_table_is_another_one(browser, app):
+    page = touched(browser, app, PHONE)
+    try:
+        before = places(page)["dock"][1]
+        edge = page.by_id("dock-edge")
+        box = edge.bounding_box()
+        x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+        devtools = page.context.new_cdp_session(page.page)
+
+        def tell(kind, *points):
+            devtools.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y} for y in points]})
+
+        old = edge.element_handle()
+        tell("touchStart", y)
+        tell("touchMove", y + 10.0)
+        # As when a row was tapped just before.
+        click_at_once(page.by_id("step-row").first)
+        page.await_selection(1)
+        page.page.wait_for_function("(edge) => !edge.isConnected", arg=old)
+        tell("touchMove", y + 30.0)
+        tell("touchMove", y + 60.0)
+        tell("touchEnd")
+        page.page.wait_for_function(
+            "(top) => Math.abs(document.querySelector('[data-testid=dock]').getBoundingClientRect().top - top) < 3",
+            arg=before + 60.0,
+        )
+    finally:
+        page.close()
+
+
+@pytest.mark.slow
 def test_a_phone_shows_the_stair_and_the_table_one_above_the_other(browser, app):
     page = touched(browser, app, PHONE)
     try:
@@ -95,6 +126,7 @@ def test_a_phone_shows_the_stair_and_the_table_one_above_the_other(browser, app)
         found = places(page)
         assert found["canvas"][3] > 0.2 * PHONE[1], "the stair is still in view"
         assert page.by_id("step-row").first.is_visible()
+        assert page.page.get_by_role("tab", name="Tune", exact=True).is_visible()
         page.by_id("step-row").nth(1).tap()
         page.await_selection(2)
         assert page.problems == []

@@ -145,7 +145,7 @@ def test_nothing_is_done_to_a_scan_while_another_is_still_shown(serve, folder, t
     assert "stair.ply" not in part_of(session, "frame").header.content
     assert 'data-testid="step-row"' not in part_of(session, "docked").html.content
     assert "for these settings" not in part_of(session, "frame").state.content
-    assert "Shown dimmed" not in part_of(session, "frame").state.content
+    assert "dashed frame" not in part_of(session, "frame").state.content
     part_of(session, "scan").choose("stair.ply")
     assert page.await_result("stair.ply").inspection.steps
 

@@ -73,11 +73,15 @@ def menu_html(testid: str, words: str, hint: str, entries: str) -> str:
 
 def _handle() -> str:
     """Return the upper edge, which can be dragged: how high the body may be is the page's own."""
+    # On the window, not on the edge: a result that comes meanwhile, as after a tap, replaces the table with its edge.
     begin = (
-        f"const b=this.parentElement.querySelector('[data-testid={BODY}]');this._y=event.clientY;"
-        "this._h=b.offsetHeight;this.setPointerCapture(event.pointerId)"
+        f"const w=window,b=this.parentElement.querySelector('[data-testid={BODY}]'),y=event.clientY,"
+        f"p=event.pointerId,of=b.offsetHeight,move=e=>{{if(e.pointerId===p){{{_resize('of+y-e.clientY')}}}}},"
+        "end=e=>{if(e.pointerId!==p)return;w.removeEventListener('pointermove',move);"
+        "for(const k of ['pointerup','pointercancel'])w.removeEventListener(k,end)};"
+        "w.addEventListener('pointermove',move);w.addEventListener('pointerup',end);"
+        "w.addEventListener('pointercancel',end);event.preventDefault()"
     )
-    move = f"if(this._y!==undefined){{{_resize('this._h+this._y-event.clientY')}}}"
     step = f"b.offsetHeight+(event.key==='ArrowUp'?{_KEY_PX}:-{_KEY_PX})"
     by_key = (
         "if(/^Arrow(Up|Down)$/.test(event.key)){event.preventDefault();event.stopPropagation();"
@@ -86,9 +90,8 @@ def _handle() -> str:
     return (
         '<div data-testid="dock-edge" data-key="dock-edge" role="separator" aria-orientation="horizontal" '
         f'aria-label="Height of the table" aria-valuenow="{100 * _SHARE:.0f}" tabindex="0" onkeydown="{text(by_key)}" '
-        f'onpointerdown="{text(begin)}" onpointermove="{text(move)}" '
-        'onpointerup="this._y=undefined" onpointercancel="this._y=undefined" style="position:absolute;top:-4px;'
-        'left:0;right:0;height:8px;cursor:ns-resize;touch-action:none"></div>'
+        f'onpointerdown="{text(begin)}" style="position:absolute;top:-4px;left:0;right:0;height:8px;cursor:ns-resize;'
+        'touch-action:none"></div>'
     )
 
 

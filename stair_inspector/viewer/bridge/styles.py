@@ -21,7 +21,8 @@ PHONE = (
     "[data-testid=dock] td:first-child{position:sticky;left:0;background:var(--mantine-color-body)}"
     "[data-testid=toolbar],[data-testid=overlay] [data-testid=legend]"
     "{flex-wrap:nowrap!important;overflow-x:auto;scrollbar-width:none;pointer-events:auto}"
-    '.mantine-Paper-root[style*="width: 20em"] [data-orientation=horizontal]{display:none}'
+    '.mantine-Paper-root[style*="width: 20em"] .mantine-ScrollArea-scrollbar[data-orientation=horizontal]'
+    "{display:none}"
     "[data-testid=toolbar]>span{flex:none}}"
     "@media(pointer:coarse){[data-testid=dock-edge]{top:-14px!important;height:24px!important}"
     "[data-testid=swipe]{width:36px!important;margin-left:-18px!important}}</style>"
@@ -45,8 +46,10 @@ NOTICES_BELOW = (
 """viser's notices would cover the toolbar."""
 RESULTS = "si-results"
 """Class of what belongs to the result that is shown."""
-DIMMED_RESULTS = f"<style>.{RESULTS}{{opacity:.45}}</style>"
-"""Not part of any element's own style: what is dimmed need not be sent again."""
+_FRAME = "outline:2px dashed var(--mantine-color-dimmed);outline-offset:-2px"
+STALE_RESULTS = f"<style>.{RESULTS}{{filter:grayscale(1);{_FRAME}}}</style>"
+"""Of a result that is not that of the present settings: grey and in a dashed frame, its words as dark as before. Not
+part of any element's own style: what looks so need not be sent again."""
 
 
 def wide_window(testid: str, width_px: int) -> str:

@@ -7,7 +7,7 @@ and dark both read well.
 from stair_inspector.content.remarks import n_to_look_at, on_page
 from stair_inspector.model import Inspection
 from stair_inspector.viewer.bridge.markup import DIM, LINE, press_attribute, set_script, text, unfold_attribute
-from stair_inspector.viewer.bridge.styles import DIMMED_RESULTS, NARROW_TABS
+from stair_inspector.viewer.bridge.styles import NARROW_TABS, STALE_RESULTS
 from stair_inspector.viewer.scene.step_marks import TONE_CSS
 
 
@@ -57,9 +57,9 @@ def state_html(
         lines.append(f'<div data-testid="error" role="alert" style="{style}">{text(on_page(error))}</div>')
     if is_stale and inspection is not None:
         if error is not None:
-            words = "Shown dimmed: the last good result, with the settings named below it."
+            words = "In a dashed frame: the last good result; Notes and details has its settings."
             lines.append(f'<div style="color:{DIM}">{words}</div>')
-        lines.append(DIMMED_RESULTS)
+        lines.append(STALE_RESULTS)
     style = "font-size:12px;line-height:1.4;padding:2px 9px 7px"
     return f'<div data-testid="status" style="{style}">{"".join(lines)}</div>'
 

@@ -120,12 +120,14 @@ def test_no_result_and_no_steps_are_told_apart(inspection):
     assert Page(table_html(empty, PALETTE, None, "pick")).rows[-1] == ["No steps."]
 
 
-def test_the_histogram_has_a_band_for_each_level_in_its_colour_and_place(inspection):
+def test_the_histogram_has_a_grey_band_for_each_level_in_its_place_and_the_steps_below_in_their_colours(inspection):
     page = Page(histogram.histogram_html(inspection, PALETTE, "pick"))
     assert [int(group["data-level"]) for group in page.of("g")] == [level.level_id for level in inspection.levels]
     bands = [rect for rect in page.of("rect") if rect["y"] == "14"]
     colors = [PALETTE.floor, *(PALETTE.of_step(k) for k in range(1, 6))]
-    assert [rect["fill"] for rect in bands] == [f"rgb{color}" for color in colors]
+    assert {rect["fill"] for rect in bands} == {"currentColor"}
+    chips = [rect for rect in page.of("rect") if rect["y"] == "80"]
+    assert [rect["fill"] for rect in chips] == [f"rgb{color}" for color in colors]
     middles = [float(rect["x"]) + float(rect["width"]) / 2.0 for rect in bands]
     heights = [(level.low_m + level.high_m) / 2.0 for level in inspection.levels]
     # One straight line from heights to places: the bands stand where the axis says.
@@ -170,8 +172,9 @@ def test_rejected_levels_are_not_shown_as_steps():
     scan = make_scan(points, np.tile([0.0, 0.0, 1.0], (len(points), 1)))
     rejected = inspect(scan, exact_params())
     assert [level.kind for level in rejected.levels[1:]] == ["rejected", "rejected"]
-    bands = [rect for rect in Page(histogram.histogram_html(rejected, PALETTE, "pick")).of("rect") if rect["y"] == "14"]
-    assert [band["fill"] for band in bands[1:]] == [f"rgb{PALETTE.non_stair}"] * 2
+    drawn = Page(histogram.histogram_html(rejected, PALETTE, "pick")).of("rect")
+    assert len([rect for rect in drawn if rect["y"] == "14"]) == 3
+    assert [rect["fill"] for rect in drawn if rect["y"] == "80"] == [f"rgb{PALETTE.floor}"]
 
 
 def test_the_state_says_up_to_date_busy_or_error(inspection):
@@ -186,7 +189,7 @@ def test_the_state_says_up_to_date_busy_or_error(inspection):
     alerts = [div for div in Page(failed).of("div") if div.get("role") == "alert"]
     assert len(alerts) == 1
     assert "no floor was found" in Page(failed).words
-    assert [".si-results{opacity" in source for source in (ready, busy, failed)] == [False, True, True]
+    assert [".si-results{filter" in source for source in (ready, busy, failed)] == [False, True, True]
 
 
 def test_an_error_without_any_result_dims_nothing():

@@ -289,16 +289,16 @@ def test_of_very_many_rejected_surfaces_the_largest_are_listed(inspection):
     assert "no reason given" in page.words
 
 
-def test_the_bands_say_what_a_level_is_and_have_the_colour_of_its_step(inspection):
+def test_the_bands_say_what_a_level_is_and_what_is_no_step_has_no_colour_below_it(inspection):
     levels = list(inspection.levels)
     # Level 2 is two surfaces of which one is a step; level 3 has none, with the reason.
     levels[3] = dataclasses.replace(levels[3], kind="rejected", reason="a shelf <i>")
     patches = tuple(patch for patch in inspection.patches if patch.step_id != 3)
     odd = dataclasses.replace(inspection, levels=tuple(levels), patches=patches)
     page = Page(histogram.histogram_html(odd, PALETTE, "pick"))
-    fills = [rect["fill"] for rect in page.of("rect") if rect["y"] == "14"]
-    colors = [PALETTE.floor, PALETTE.of_step(1), PALETTE.of_step(2), PALETTE.non_stair, PALETTE.of_step(4)]
-    assert fills[:5] == [f"rgb{color}" for color in colors]
+    fills = [rect["fill"] for rect in page.of("rect") if rect["y"] == "80"]
+    colors = [PALETTE.floor, PALETTE.of_step(1), PALETTE.of_step(2), PALETTE.of_step(4)]
+    assert fills[:4] == [f"rgb{color}" for color in colors]
     assert "; tread, step 2" in page.words
     assert "; rejected: a shelf <i>" in page.words
     assert page.of("i") == []
@@ -306,9 +306,10 @@ def test_the_bands_say_what_a_level_is_and_have_the_colour_of_its_step(inspectio
 
 def test_two_steps_of_the_same_height_are_both_named(inspection):
     patches = tuple(dataclasses.replace(patch, level_id=min(patch.level_id, 1)) for patch in inspection.patches)
-    assert "step 1, 2, 3, 4, 5" in histogram.histogram_html(
-        dataclasses.replace(inspection, patches=patches), PALETTE, "pick"
-    )
+    source = histogram.histogram_html(dataclasses.replace(inspection, patches=patches), PALETTE, "pick")
+    assert "step 1, 2, 3, 4, 5" in source
+    at = [rect for rect in Page(source).of("rect") if rect["y"] == "80"]
+    assert [rect["fill"] for rect in at[1:6]] == [f"rgb{PALETTE.of_step(k)}" for k in range(1, 6)]
 
 
 def test_the_details_say_what_was_stated_and_overruled(inspection):

@@ -96,7 +96,7 @@ class SecondScanPart(PagePart):
             "Compare anew",
             self.compare_anew,
             icon=viser.Icon.REFRESH,
-            hint="With the settings as they are now.",
+            hint="Once more, with the second scan's file as it is now.",
             is_quiet=True,
             is_visible=False,
         )

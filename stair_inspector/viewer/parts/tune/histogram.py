@@ -1,4 +1,7 @@
-"""The height histogram: how many upright points lie at which height, the clusters' bands, and the reach eps_z."""
+"""The height histogram: how many upright points lie at which height, the clusters' bands, and the reach eps_z.
+
+Bands are levels, and look so: grey. The steps at each have their own colours, below it.
+"""
 
 import numpy as np
 
@@ -31,11 +34,17 @@ def histogram_html(inspection: Inspection | None, palette: Palette, pick_uuid: s
         # A sharp level is thinner than a pixel: it is widened about its middle to be seen.
         width = max(5.0, at(level.high_m) - at(level.low_m))
         left = (at(level.high_m) + at(level.low_m) - width) / 2.0
-        color = f"rgb{_color(level, palette, inspection)}"
+        colors = _colors(level, palette, inspection)
+        share = width / max(1, len(colors))
+        chips = "".join(
+            f'<rect x="{left + k * share:.1f}" y="{_BASE}" width="{share:.1f}" height="5" fill="rgb{color}"/>'
+            for k, color in enumerate(colors)
+        )
+        # A band is a height, and grey; what steps lie at it is told below it in the colours that they have everywhere.
         return (
             f'<g data-level="{level.level_id}"><title>{text(_band_title(level, inspection))}</title>'
-            f'<rect x="{left:.1f}" y="14" width="{width:.1f}" height="{_BASE - 14}" fill="{color}" opacity="0.4"/>'
-            f'<rect x="{left:.1f}" y="{_BASE}" width="{width:.1f}" height="5" fill="{color}"/></g>'
+            f'<rect x="{left:.1f}" y="14" width="{width:.1f}" height="{_BASE - 14}" fill="currentColor" '
+            f'opacity="0.16"/>{chips}</g>'
         )
 
     bands = "".join(band(level) for level in inspection.levels)
@@ -51,7 +60,7 @@ def histogram_html(inspection: Inspection | None, palette: Palette, pick_uuid: s
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" role="img"{drag} '
         f'aria-label="Heights of points on horizontal surfaces; {len(inspection.levels)} clusters">'
         '<text x="8" y="9" font-size="11" fill="currentColor" opacity="0.75">'
-        "points on horizontal surfaces by height [m], √ scale</text>"
+        "points on horizontal surfaces by height [m], √ scale; bands are levels</text>"
         f'<line x1="{_WIDTH - 8 - reach:.1f}" x2="{_WIDTH - 8}" y1="6" y2="6" stroke="currentColor" stroke-width="3"/>'
         f'<text data-reach-text="1" x="{_WIDTH - 12 - reach:.1f}" y="9" text-anchor="end" font-size="11" '
         f'fill="currentColor" opacity="0.9">ε_z {eps_m * 1000.0:g} mm</text>'
@@ -68,11 +77,11 @@ def _steps_at(level: Level, inspection: Inspection) -> list[int]:
     return [level.level_id] if 1 <= level.level_id <= len(inspection.steps) else []
 
 
-def _color(level: Level, palette: Palette, inspection: Inspection) -> Rgb:
+def _colors(level: Level, palette: Palette, inspection: Inspection) -> list[Rgb]:
+    """Return the colours of the steps, or of the floor, that lie in a height cluster; none of what is neither."""
     if level.kind == "floor":
-        return palette.floor
-    steps = _steps_at(level, inspection)
-    return palette.of_step(steps[0]) if steps else palette.non_stair
+        return [palette.floor]
+    return [palette.of_step(step_id) for step_id in _steps_at(level, inspection)]
 
 
 def _band_title(level: Level, inspection: Inspection) -> str:
