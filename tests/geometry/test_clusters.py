@@ -115,6 +115,13 @@ def test_equals_sklearn_where_a_search_for_a_plus_eps_would_stop_short(a, b, eps
     assert len(cluster([a, b], eps, 2).start) == 1
 
 
+def test_equals_sklearn_where_that_search_would_stop_several_values_short():
+    # Beside 0.03 they all vanish in rounding.
+    values = [-0.03, 1e-19, 2e-19, 3e-19]
+    assert_is_dbscan(values, 0.03, 4)
+    assert cluster(values, 0.03, 4).is_core.all()
+
+
 def test_nothing_gives_no_clusters():
     clusters = cluster([], 0.1, 1)
     assert len(clusters.start) == len(clusters.stop) == len(clusters.is_core) == 0

@@ -1,6 +1,7 @@
 """Which points are horizontal, and the labels of the height clusters."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -51,6 +52,17 @@ def test_eq4_the_lowest_cluster_is_the_floor_and_the_others_count_upwards():
     levels = levels_of(order_of(heights, point_ids=ids))
     assert list(zip(levels.start, levels.stop, strict=True)) == [(0, 3), (4, 7), (7, 10)]
     np.testing.assert_array_equal(levels.labels, [2, 2, 2, 1, 1, 1, -1, 0, 0, 0])
+
+
+@pytest.mark.parametrize(("eps_m", "n_levels"), [(0.015625, 1), (0.0156, 0)])
+def test_eq3_heights_exactly_eps_apart_are_neighbours(eps_m, n_levels):
+    assert len(levels_of(order_of([0.0, 0.015625, 0.03125]), eps_m, min_points=3).start) == n_levels
+
+
+def test_what_lies_outside_a_region_is_as_horizontal_as_what_lies_in_it():
+    whole = order_of([0.0, 1.0, 2.0], alignment=[1.0, 0.1, 1.0])
+    kept = select_horizontal(replace(order_of([0.0]), whole=whole), HorizontalParams())
+    np.testing.assert_array_equal(kept.whole.point_ids, [0, 2])
 
 
 def test_labels_of_points_that_are_not_horizontal_are_non_stair():
