@@ -6,6 +6,7 @@ the rest. What was killed earlier has changed nothing.
 """
 
 import contextlib
+import errno
 import json
 import os
 import shutil
@@ -21,6 +22,7 @@ _LONGEST_LIST = 100_000
 _MOST_FILES = 100
 _LEFT_S = 3600.0
 """A temporary file that is older was left by a program that was killed: no file takes so long."""
+_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 def write_atomically(path: Path, data: bytes) -> None:
@@ -69,7 +71,8 @@ def write_all_atomically(contents: Mapping[Path, bytes]) -> None:
     except OSError as error:
         _undo(kept)
         reason = error.strerror or str(error)
-        raise WriteError(f"{path}: cannot be written ({reason}); choose a folder you may write to") from error
+        hint = "make room on this disk" if error.errno in _FULL else "choose a folder you may write to"
+        raise WriteError(f"{path}: cannot be written ({reason}); {hint}") from error
     except BaseException:
         # Also when the user interrupts.
         _undo(kept)

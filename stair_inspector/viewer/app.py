@@ -20,6 +20,7 @@ from stair_inspector.viewer.bridge.doors.gate import guarded
 from stair_inspector.viewer.bridge.doors.words import VIEW_ONLY
 from stair_inspector.viewer.bridge.server import close_connection, is_view_only, prepare_client, prepare_server
 from stair_inspector.viewer.bridge.uploads import limit_uploads
+from stair_inspector.viewer.bridge.values import check_values
 from stair_inspector.viewer.compute.workshop import Workshop
 from stair_inspector.viewer.page import Page
 from stair_inspector.viewer.parts.desk import USUAL_PALETTE
@@ -144,6 +145,7 @@ class App:
 
     def _connect(self, client: viser.ClientHandle) -> None:
         prepare_client(client)
+        check_values(client)
         is_viewer = is_view_only(self._server, client)
         limit_uploads(client, self._library.check_upload, VIEW_ONLY if is_viewer else "")
         session = Page(

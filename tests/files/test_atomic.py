@@ -39,9 +39,7 @@ def test_a_failing_write_leaves_the_old_file_and_no_other(tmp_path, monkeypatch,
     monkeypatch.setattr(atomic.os, step, failing(OSError(28, "No space left on device")))
     with pytest.raises(WriteError) as error:
         write_atomically(path, b"new")
-    assert str(error.value) == (
-        f"{path}: cannot be written (No space left on device); choose a folder you may write to"
-    )
+    assert str(error.value) == (f"{path}: cannot be written (No space left on device); make room on this disk")
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
 

@@ -1,9 +1,11 @@
 """What an inspector does is kept, belongs to its scan, and never overwrites another's work: without a browser."""
 
 import dataclasses
+import errno
 import io
 import shutil
 import threading
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -14,6 +16,7 @@ from stair_inspector.content.fields import ReportBasis, ReportFields
 from stair_inspector.content.images import read_logo
 from stair_inspector.content.readings import TapeReading
 from stair_inspector.errors import ConfigError
+from stair_inspector.files import atomic
 from stair_inspector.files.chosen_rules import ChosenRules, LeftEdits
 from stair_inspector.files.project_files import read_project
 from stair_inspector.files.projects import Measurement
@@ -22,7 +25,7 @@ from stair_inspector.params import Params
 from stair_inspector.viewer.app import App
 from stair_inspector.viewer.compute.runs import Request
 from stair_inspector.viewer.parts.tune.presets import OWN_PRESET, STARTED_WITH
-from stair_inspector.viewer.state import opening
+from stair_inspector.viewer.state import keeper, opening
 from stair_inspector.viewer.state.library import state_of
 from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import WirePage, await_that
@@ -472,6 +475,34 @@ def test_not_saved_stays_said_until_a_save_succeeds(serve, folder):
     in_the_way.rmdir()
     session.keeper.save()
     assert "Saved at" in part_of(session, "export").saved.content
+
+
+def test_what_could_not_be_saved_is_saved_within_five_seconds_of_there_being_room_and_told_once(
+    serve, folder, monkeypatch
+):
+    page = WirePage(serve())
+    page.await_result()
+    monkeypatch.setattr(keeper, "_AGAIN_S", 0.1)
+    tried = []
+
+    def full(*_):
+        tried.append(time.monotonic())
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(atomic.os, "fsync", full)
+        page.session.editor.change("title", title="Hall")
+        await_that(lambda: len(tried) > 3, "it is not tried again")
+    saved = folder / "stair.stair.json"
+    await_that(lambda: title_in(saved) == "Hall", "it is not saved once there is room")
+    await_that(lambda: "Saved at" in part_of(page.session, "export").saved.content, "it is not said")
+    (words,) = [words for words in page.told() if words.startswith("Not saved")]
+    assert "No space left on device); make room on this disk" in words
+    assert [path.name for path in folder.iterdir() if path.name.startswith(".si-")] == []
+
+
+def test_what_waits_for_room_is_tried_again_well_within_five_seconds():
+    assert keeper._AGAIN_S + keeper._QUIET_S < 4.0
 
 
 def test_a_slider_that_moves_while_something_else_is_set_does_not_jump_back(serve):

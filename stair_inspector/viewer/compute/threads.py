@@ -1,6 +1,7 @@
 """Threads of a page: one that runs only the newest request, and one that waits until nothing more is touched."""
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
@@ -66,7 +67,14 @@ class Settle:
         self._quiet_s = quiet_s
         self._condition = threading.Condition()
         self._is_touched = self._is_closed = False
+        self._due_at: float | None = None
         threading.Thread(target=self._loop, name=name, daemon=True).start()
+
+    def call_in(self, wait_s: float) -> None:
+        """Have the function called after so long at the latest, whether something is touched or not."""
+        with self._condition:
+            self._due_at = time.monotonic() + wait_s
+            self._condition.notify()
 
     def touch(self) -> None:
         """Tell that something has changed."""
@@ -83,8 +91,9 @@ class Settle:
     def _loop(self) -> None:
         while True:
             with self._condition:
-                while not self._is_touched and not self._is_closed:
-                    self._condition.wait()
+                while not (self._is_touched or self._is_closed or self._is_due()):
+                    self._condition.wait(None if self._due_at is None else self._due_at - time.monotonic())
+                self._due_at = None
                 # Each touch begins the quiet anew.
                 while self._is_touched and not self._is_closed:
                     self._is_touched = False
@@ -92,3 +101,6 @@ class Settle:
                 if self._is_closed:
                     return
             self._function()
+
+    def _is_due(self) -> bool:
+        return self._due_at is not None and time.monotonic() >= self._due_at

@@ -23,6 +23,8 @@ from stair_inspector.viewer.state.work import Bench, Changes, Work
 
 _QUIET_S = 0.6
 """A change is saved once nothing has changed for so long; a drag of a slider is one change."""
+_AGAIN_S = 2.0
+"""What could not be saved is tried again after so long, until it is saved."""
 
 
 class ViewOnlyError(ConfigError):
@@ -232,23 +234,29 @@ class Keeper:
                     return
                 # Before it is written: what changes meanwhile is saved the next time.
                 bench.is_changed = False
-                path = before = bench.path
+                path = bench.path
             if state_of(path) not in ("", bench.state):
                 other = self._library.new_project(bench.scan, path.parent)
                 if other is None:
                     raise WriteError(f"{path}: was changed by somebody else; move files of this scan's projects away")
                 news = f"{path.name} was changed by somebody else and is left as it is; this work is in {other.name}"
                 self._library.release_project(path)
+                with self.lock:
+                    # From now on, also where this save fails: no other name is taken the next time.
+                    if bench.path == path:
+                        bench.path, bench.state = other, ""
                 path = other
             state = hashlib.sha256(save_project(path, project)).hexdigest()
             with self.lock:
                 bench.error, bench.saved_at = "", datetime.datetime.now()
-                if bench.path == before:
-                    bench.path, bench.state = path, state
+                if bench.path == path:
+                    bench.state = state
         except StairError as error:
-            # Tried again with the next change, and when the page closes.
+            # Tried again soon, with the next change, and when the page closes; said in a notice once.
+            is_known = str(error) == bench.error
             bench.is_changed, bench.error = True, str(error)
-            self._on_saved(str(error), True)
+            self._settle.call_in(_AGAIN_S)
+            self._on_saved(news if is_known else str(error), True)
         else:
             self._on_saved(news, False)
 

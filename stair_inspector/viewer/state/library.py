@@ -6,6 +6,7 @@ import os
 import shutil
 import tempfile
 import threading
+import unicodedata
 from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 
@@ -122,8 +123,10 @@ class Library:
         Raises
         ------
         ConfigError
-            The file is empty or too large, or its suffix is none of a scan.
+            The file is empty or too large, its suffix is none of a scan, or its name is none of a file.
         """
+        if any(unicodedata.category(character) in ("Cc", "Cs") for character in name):
+            raise ConfigError(f"upload: {name[:60]!r} holds what no name of a file may hold; rename the file")
         suffix = PurePosixPath(name).suffix.lower()
         if suffix not in SUFFIXES:
             raise ConfigError(
@@ -164,11 +167,14 @@ class Library:
                 label = f"{Path(name).stem} ({number}){Path(name).suffix}"
             # The name is taken now; that it takes a while to write the file holds up nobody.
             path = self._uploads[label] = Path(self._upload_folder.name) / str(self._n_uploaded) / label
+        is_kept = False
         try:
             write_atomically(path, content)
-        except StairError:
-            self.forget_upload(label)
-            raise
+            is_kept = True
+        finally:
+            # Whatever went wrong, the place is free again.
+            if not is_kept:
+                self.forget_upload(label)
         return label
 
     def is_full(self) -> bool:

@@ -137,6 +137,7 @@ def test_the_server_and_every_page_are_mended(monkeypatch, tmp_path):
     mended = []
     monkeypatch.setattr("stair_inspector.viewer.bridge.server.keep_waking", mended.append)
     monkeypatch.setattr("stair_inspector.viewer.app.limit_uploads", lambda *_: None)
+    monkeypatch.setattr("stair_inspector.viewer.app.check_values", lambda _: None)
     monkeypatch.setattr("stair_inspector.viewer.app.Page", lambda *_: SimpleNamespace(close=lambda: None))
     app = App([tmp_path / "a.ply"], Params(), port=0)
     try:

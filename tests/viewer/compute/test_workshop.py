@@ -414,10 +414,14 @@ def test_a_function_is_called_once_things_have_been_quiet():
     assert calls[0] >= last + 0.1
     settle.touch()
     await_true(lambda: len(calls) == 2)
+    asked = time.monotonic()
+    settle.call_in(0.2)
+    await_true(lambda: len(calls) == 3)
+    assert calls[2] >= asked + 0.2
     settle.touch()
     settle.close()
     time.sleep(0.3)
-    assert len(calls) == 2
+    assert len(calls) == 3
 
 
 def test_an_idle_process_that_has_died_is_replaced_without_a_word():

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from stair_inspector.errors import ConfigError
+from stair_inspector.errors import ConfigError, StairError
 from stair_inspector.files.project_files import read_project
 from stair_inspector.files.projects import KeptRun, Measurement, SavedView
 from stair_inspector.params import Params
@@ -292,6 +292,25 @@ def test_an_upload_is_kept_until_the_end_under_a_name_of_its_own(library):
     assert library.labels((label,)) == ("a.ply", "b.ply", label)
     library.close()
     assert not path.exists()
+
+
+@pytest.mark.parametrize("name", ["a\0.ply", "a\n.ply", "\ud800.ply", "\U0001d11e" * 200 + ".ply"])
+def test_an_upload_that_cannot_be_kept_takes_no_place(library, name):
+    for _ in range(60):
+        with pytest.raises(StairError, match=r"holds what no name of a file may hold|cannot be written"):
+            library.add_upload(name, b"ply")
+    assert library.labels(tuple(library._uploads)) == ("a.ply", "b.ply")
+    assert not library.is_full()
+    assert library.add_upload("c.ply", b"ply") == "c.ply"
+    library.close()
+
+
+def test_an_upload_that_fails_for_whatever_reason_takes_no_place(library, monkeypatch):
+    monkeypatch.setattr("stair_inspector.viewer.state.library.write_atomically", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        library.add_upload("c.ply", b"ply")
+    assert library._uploads == {}
+    library.close()
 
 
 @pytest.mark.parametrize(
