@@ -13,6 +13,18 @@ READABLE = (
 )
 """viser's labels have a contrast of 3.3, its grey buttons too, and the ends of its sliders are written in 9 pixels.
 Text needs 4.5 and 11 pixels."""
+_FOLDER = ".mantine-Paper-root>.mantine-Paper-root:has(>.tabler-icon-chevron-down,>.tabler-icon-chevron-up)"
+FOLDERS = (
+    f"<style>.mantine-Paper-root:has(>{_FOLDER.partition('>')[2]})"
+    "{padding:0!important;margin-top:6px!important;min-height:0!important;overflow:hidden}"
+    f"{_FOLDER}{{position:static!important;transform:none!important;width:auto!important;margin:0!important;"
+    "padding:4px 8px!important;border:0!important;border-radius:0!important;font-weight:600!important;"
+    "background:var(--mantine-color-default-hover)!important}"
+    f"{_FOLDER}~div~div,{_FOLDER}>svg{{display:none!important}}"
+    f"{_FOLDER}::before{{content:'▸' / '';display:inline-block;width:1.1em}}"
+    f"{_FOLDER}:has(>.tabler-icon-chevron-up)::before{{content:'▾' / ''}}</style>"
+)
+"""viser's closed folder is an empty frame with words on its edge: here a row with an arrow, above what it holds."""
 PHONE = (
     "<style>@media(max-width:36em){"
     '.mantine-Paper-root[style*="width: 20em"]{max-height:42%!important}'

@@ -10,7 +10,7 @@ from stair_inspector.viewer.bridge.markup import title_html
 from stair_inspector.viewer.bridge.names import names_html
 from stair_inspector.viewer.bridge.overlay import Tool, overlay_html, toolbar_html
 from stair_inspector.viewer.bridge.shortcuts import keys_html
-from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR, PHONE, READABLE
+from stair_inspector.viewer.bridge.styles import CLEAR_OF_THE_SCROLLBAR, FOLDERS, PHONE, READABLE
 from stair_inspector.viewer.bridge.tour import tour_html
 from stair_inspector.viewer.bridge.two_views import Arrangement, two_views_html
 from stair_inspector.viewer.parts.came_along import CameAlong
@@ -44,7 +44,7 @@ class Frame(PagePart):
         gui.set_panel_label("stair_inspector")
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        widgets.html(keys_html() + names_html() + tour_html() + CLEAR_OF_THE_SCROLLBAR + READABLE + PHONE)
+        widgets.html(keys_html() + names_html() + tour_html() + CLEAR_OF_THE_SCROLLBAR + READABLE + FOLDERS + PHONE)
         if context.keeper.is_view_only:
             widgets.html(view_only_html())
         self._title = widgets.html()

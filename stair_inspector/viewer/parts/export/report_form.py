@@ -44,6 +44,7 @@ _SAID: dict[FormPart, str] = {
     "checklist": "What was seen on site; where it is empty the report says that it was not assessed.",
 }
 """Of a text that has no hint of its own."""
+_OBJECT = next(title for title, names in FIELD_GROUPS.items() if "client" in names)
 _ELSEWHERE = ("title",)
 """The title of the inspection stands above, and is that of the report."""
 
@@ -64,7 +65,8 @@ class ReportForm:
             with widgets.folder("Who, where, with what", is_open=False):
                 for title, names in FIELD_GROUPS.items():
                     own = [name for name in names if name not in _ELSEWHERE]
-                    with widgets.folder(title, is_open=False):
+                    # Client and site are asked for in every report: no third click for them.
+                    with widgets.folder(title, is_open=title == _OBJECT):
                         self._add_texts(widgets, "fields", ReportFields, own)
             with widgets.folder("Seen on site", is_open=False):
                 self._add_texts(widgets, "checklist", Checklist, Checklist.__dataclass_fields__)

@@ -60,7 +60,7 @@ def histogram_html(inspection: Inspection | None, palette: Palette, pick_uuid: s
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" role="img"{drag} '
         f'aria-label="Heights of points on horizontal surfaces; {len(inspection.levels)} clusters">'
         '<text x="8" y="9" font-size="11" fill="currentColor" opacity="0.75">'
-        "points on horizontal surfaces by height [m], √ scale; bands are levels</text>"
+        "level points by height [m], √ scale; bands are levels</text>"
         f'<line x1="{_WIDTH - 8 - reach:.1f}" x2="{_WIDTH - 8}" y1="6" y2="6" stroke="currentColor" stroke-width="3"/>'
         f'<text data-reach-text="1" x="{_WIDTH - 12 - reach:.1f}" y="9" text-anchor="end" font-size="11" '
         f'fill="currentColor" opacity="0.9">ε_z {eps_m * 1000.0:g} mm</text>'
