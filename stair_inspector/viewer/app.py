@@ -19,7 +19,7 @@ from stair_inspector.viewer.bridge.doors.doors import Doors, new_token
 from stair_inspector.viewer.bridge.doors.gate import guarded
 from stair_inspector.viewer.bridge.doors.words import VIEW_ONLY
 from stair_inspector.viewer.bridge.server import close_connection, is_view_only, prepare_client, prepare_server
-from stair_inspector.viewer.bridge.uploads import limit_uploads
+from stair_inspector.viewer.bridge.uploads import UnfinishedUploads, limit_uploads
 from stair_inspector.viewer.bridge.values import check_values
 from stair_inspector.viewer.compute.workshop import Workshop
 from stair_inspector.viewer.page import Page
@@ -34,6 +34,10 @@ PALETTES = {
     "the paper's": ("paper", "paper_dark"),
 }
 """Files of colours by their name on the page, for the light and the dark theme."""
+
+
+_UPLOADS_AT_A_TIME = 2
+"""So many of the largest uploads may be under way together."""
 
 
 class App:
@@ -81,6 +85,7 @@ class App:
         self._doors = doors or Doors(new_token())
         self._doors.stand_at(host)
         self._library = Library(scans, project_dir, saves_projects=saves_projects, upload_limit_mb=upload_limit_mb)
+        self._unfinished = UnfinishedUploads(_UPLOADS_AT_A_TIME * self._library.upload_limit_bytes)
         self._started = Work(params, basis=basis or ReportBasis())
         self._palettes = {name: (read_palette(light), read_palette(dark)) for name, (light, dark) in PALETTES.items()}
         self._kept = KeptWishes(self._library.forget_upload)
@@ -147,7 +152,7 @@ class App:
         prepare_client(client)
         check_values(client)
         is_viewer = is_view_only(self._server, client)
-        limit_uploads(client, self._library.check_upload, VIEW_ONLY if is_viewer else "")
+        limit_uploads(client, self._library.check_upload, self._unfinished, VIEW_ONLY if is_viewer else "")
         session = Page(
             client,
             self._workshop,
@@ -172,6 +177,7 @@ class App:
     def _disconnect(self, client: viser.ClientHandle) -> None:
         with self._lock:
             session = self._sessions.pop(client.client_id, None)
+        self._unfinished.forget(client.client_id)
         if session is not None:
             session.close()
 

@@ -1,5 +1,7 @@
 """Uploads are checked before they are received: viser itself takes any file of any size into memory."""
 
+import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -12,13 +14,71 @@ _SHOWN_S = 15.0
 LARGEST_SMALL_BYTES = 20_000_000
 """Of uploads that are no scans: presets, rule files, projects and pictures for the report."""
 SMALL_SUFFIXES = (".toml", ".json", ".png", ".jpg", ".jpeg")
+_LEAST_PART_BYTES = 65_536
+_STALLED_S = 60.0
+"""An upload of which nothing has come for so long makes room for another."""
 
 
-def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None], refusal: str = "") -> None:
+class UnfinishedUploads:
+    """The uploads of all pages that have begun and not ended: viser keeps their parts in memory.
+
+    Parameters
+    ----------
+    limit_bytes : int
+        Of what they may announce together; one that is alone is not held to it.
+    """
+
+    def __init__(self, limit_bytes: int) -> None:
+        self._limit_bytes = limit_bytes
+        self._lock = threading.Lock()
+        self._by_page: dict[int, dict[str, Any]] = {}
+        self._heard_at: dict[str, float] = {}
+
+    def begin(self, page: int, states: dict[str, Any], transfer: str, n_bytes: int) -> None:
+        """Take an upload of a page in, of which viser keeps the ``states``.
+
+        Raises
+        ------
+        ConfigError
+            It would be too much with the others.
+        """
+        now = time.monotonic()
+        with self._lock:
+            self._by_page[page] = states
+            others = [(held, each) for held in self._by_page.values() for each in list(held) if each != transfer]
+            self._heard_at = {each: self._heard_at.get(each, now) for _, each in others}
+            for held, each in others:
+                if now - self._heard_at[each] > _STALLED_S:
+                    held.pop(each, None)
+            total = sum(held[each]["total_bytes"] for held, each in others if each in held)
+            if total and total + n_bytes > self._limit_bytes:
+                raise ConfigError(
+                    f"upload: other files of {total / 1e6:,.0f} MB are being uploaded, and "
+                    f"{self._limit_bytes / 1e6:,.0f} MB may be at a time; try again when they have come"
+                )
+            self._heard_at[transfer] = now
+
+    def heard(self, transfer: str) -> None:
+        """Note that a part of an upload has come."""
+        with self._lock:
+            self._heard_at[transfer] = time.monotonic()
+
+    def forget(self, page: int) -> None:
+        """Forget the uploads of a page that has gone."""
+        with self._lock:
+            self._by_page.pop(page, None)
+
+
+def limit_uploads(
+    client: viser.ClientHandle,
+    check: Callable[[str, int], None],
+    unfinished: UnfinishedUploads,
+    refusal: str = "",
+) -> None:
     """Refuse uploads that do not fit their button, and parts that are more than was said.
 
     A button that offers small files alone takes no others; scans are refused where ``check(name, size)`` raises. A page
-    that may upload nothing is told the ``refusal``.
+    that may upload nothing is told the ``refusal``. What is too much beside the ``unfinished`` uploads waits.
 
     The names used here are private to viser, hence the exact version in ``pyproject.toml`` and tests that upload.
     """
@@ -34,6 +94,9 @@ def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None],
                 raise ConfigError(f"upload: {refusal}")
             button = gui._gui_input_handle_from_uuid.get(message.source_component_uuid)
             _check(str(message.filename), message.size_bytes, _suffixes_of(button), check)
+            if message.part_count > message.size_bytes // _LEAST_PART_BYTES + 1:
+                raise ConfigError("upload: comes in too many parts; load this page again")
+            unfinished.begin(client_id, gui._current_file_upload_states, message.transfer_uuid, message.size_bytes)
         except StairError as error:
             # The page waits for the parts to be acknowledged, and would then say that all went well.
             connection.queue_message(
@@ -53,6 +116,7 @@ def limit_uploads(client: viser.ClientHandle, check: Callable[[str, int], None],
         state = gui._current_file_upload_states.get(message.transfer_uuid)
         if state is None:
             return
+        unfinished.heard(message.transfer_uuid)
         if state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
             gui._current_file_upload_states.pop(message.transfer_uuid, None)
             return

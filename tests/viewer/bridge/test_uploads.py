@@ -2,6 +2,8 @@
 
 import pytest
 
+from stair_inspector.errors import ConfigError
+from stair_inspector.viewer.bridge.uploads import UnfinishedUploads
 from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import STAIR, WirePage, await_that
 
@@ -24,16 +26,16 @@ def page(app):
     page.close()
 
 
-def offer(page, name, size, button="button"):
+def offer(page, name, size, button="button", transfer="one", n_parts=1):
     page._send(
         {
             "type": "FileTransferStartUpload",
             "source_component_uuid": button,
-            "transfer_uuid": "one",
+            "transfer_uuid": transfer,
             "filename": name,
             "mime_type": "",
             "size_bytes": size,
-            "part_count": 1,
+            "part_count": n_parts,
         }
     )
 
@@ -73,3 +75,49 @@ def test_the_button_of_scans_takes_scans_alone(page):
     upload = part_of(page.session, "scan").upload
     offer(page, "rules.toml", 10, upload._impl.uuid)
     await_that(lambda: any("'rules.toml' is no scan by its name" in said for said in page.told()), "nothing is said")
+
+
+def test_unfinished_uploads_have_a_bound_together_and_leave_it_when_their_page_goes(app, page):
+    limit = app._library.upload_limit_bytes
+    other = WirePage(app)
+    try:
+        for sender, transfer in ((page, "a"), (other, "b"), (page, "c")):
+            upload = part_of(sender.session, "scan").upload
+            offer(sender, "large.ply", limit, upload._impl.uuid, transfer, 900)
+            assert sender.session.opening._is_answering()
+        words = "upload: other files of 1,000 MB are being uploaded, and 1,000 MB may be at a time"
+        await_that(lambda: any(words in said for said in page.told()), "nothing is said")
+        states = [each.session.desk.client.gui._current_file_upload_states for each in (page, other)]
+        assert [list(each) for each in states] == [["a"], ["b"]]
+    finally:
+        other.close()
+    await_that(lambda: len(app._sessions) == 1, "the page is still open")
+    upload = part_of(page.session, "scan").upload
+    offer(page, "large.ply", limit, upload._impl.uuid, "d", 900)
+    await_that(lambda: "d" in states[0], "the room is not there again")
+    offer(page, "large.ply", 1000, upload._impl.uuid, "e", 1000)
+    await_that(lambda: any("too many parts" in said for said in page.told()), "nothing is said of the parts")
+    states[0].clear()
+
+
+def test_an_upload_of_which_nothing_comes_makes_room(monkeypatch):
+    now = 0.0
+    monkeypatch.setattr("time.monotonic", lambda: now)
+    unfinished, states = UnfinishedUploads(100), {}
+
+    def begin(transfer):
+        unfinished.begin(1, states, transfer, 60)
+        states[transfer] = {"total_bytes": 60}
+
+    begin("slow")
+    now = 50.0
+    unfinished.heard("slow")
+    now = 100.0
+    with pytest.raises(ConfigError, match="try again when they have come"):
+        begin("next")
+    now = 111.0
+    begin("next")
+    assert list(states) == ["next"]
+    # One that is alone may be as large as any.
+    states.clear()
+    unfinished.begin(1, states, "large", 1000)
