@@ -141,16 +141,16 @@ def button_in_row(script: str) -> str:
     return press_attribute(f"event.stopPropagation();{script}")
 
 
-_UNFOLD_MS = 250
+_UNFOLD_MS = 400
 """A folder takes so long to open."""
 
 
 def unfold_attribute(testid: str) -> str:
     """Return the attribute of a button that opens the folder of what has this ``data-testid``, and shows it."""
     return press_attribute(
-        f"const e=document.querySelector('[data-testid={testid}]');"
-        "const h=e.closest('.mantine-Paper-root')?.querySelector(':scope>.mantine-Paper-root[aria-expanded=false]');"
-        f"h?.click();setTimeout(()=>e.scrollIntoView({{block:'center'}}),h?{_UNFOLD_MS}:0)"
+        f"const e=()=>document.querySelector('[data-testid={testid}]');"
+        "const h=e().closest('.mantine-Paper-root')?.querySelector(':scope>.mantine-Paper-root[aria-expanded=false]');"
+        f"h?.click();setTimeout(()=>e().scrollIntoView({{block:'center'}}),h?{_UNFOLD_MS}:0)"
     )
 
 

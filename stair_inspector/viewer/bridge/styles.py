@@ -16,7 +16,7 @@ Text needs 4.5 and 11 pixels."""
 _FOLDER = ".mantine-Paper-root>.mantine-Paper-root:has(>.tabler-icon-chevron-down,>.tabler-icon-chevron-up)"
 FOLDERS = (
     f"<style>.mantine-Paper-root:has(>{_FOLDER.partition('>')[2]})"
-    "{padding:0!important;margin-top:6px!important;min-height:0!important;overflow:hidden}"
+    "{padding:0!important;margin-top:6px!important;min-height:0!important;overflow:clip}"
     f"{_FOLDER}{{position:static!important;transform:none!important;width:auto!important;margin:0!important;"
     "padding:4px 8px!important;border:0!important;border-radius:0!important;font-weight:600!important;"
     "background:var(--mantine-color-default-hover)!important}"
