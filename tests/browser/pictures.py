@@ -1,4 +1,4 @@
-"""Make the README's pictures of the page: ``python -m tests.browser.pictures``."""
+"""Do the job from upload to report, and make the README's pictures of the page: ``python -m tests.browser.pictures``."""
 
 import sys
 from pathlib import Path
@@ -9,8 +9,11 @@ from stair_inspector.files.paths import sample_scans
 from stair_inspector.files.settings import find_preset
 from stair_inspector.viewer.app import App
 from tests.browser.inspector_page import ARGUMENTS, InspectorPage, find_browser
+from tests.browser.job import do_job
+from tests.browser.test_checks import label_of
 
 IMAGES = Path(__file__).parents[2] / ".github" / "images"
+RULES = "us-ibc-2024"
 _AT_REST_MS = 5000
 """Labels are drawn last, and software rendering takes its time."""
 
@@ -39,12 +42,17 @@ def section(page):
 
 
 def main() -> None:
-    """Photograph the page on the sample scan."""
-    app = App([sample_scans() / "straight.ply"], find_preset("tls").params, port=0, saves_projects=False)
+    """Do the job on an uploaded sample, say in how many clicks, and photograph the page."""
+    scan = sample_scans() / "straight.ply"
+    app = App([sample_scans() / "defective_step.ply"], find_preset("tls").params, port=0, saves_projects=False)
     try:
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(executable_path=find_browser(), args=list(ARGUMENTS))
             page = InspectorPage(browser, app.address, width=1500, height=980, sharpness=1.0).open()
+            # Where a page opens.
+            page.tab("Scan")
+            done = do_job(page, scan.name, scan.read_bytes(), label_of(RULES))
+            print(f"from upload to report: {done.n_clicks} clicks")
             for name, prepare in (("page", steps), ("page_tune", tune), ("page_section", section)):
                 prepare(page)
                 page.close_notifications()

@@ -83,8 +83,9 @@
     card.dataset.testid = 'tour';
     card.setAttribute('role', 'dialog');
     card.setAttribute('aria-label', 'Tour of the page');
+    /* Above notices, which wait. */
     card.style.cssText =
-      'position:fixed;z-index:300;width:min(330px,calc(100vw - 24px));box-sizing:border-box;' +
+      'position:fixed;z-index:410;width:min(330px,calc(100vw - 24px));box-sizing:border-box;' +
       'padding:10px 14px;border-radius:6px;font-size:13px;line-height:1.4;color:var(--mantine-color-text);' +
       'background:var(--mantine-color-body);border:1px solid var(--mantine-color-default-border);' +
       'box-shadow:0 3px 16px rgba(0,0,0,.3)';
