@@ -1,4 +1,4 @@
-"""Do the job from upload to report, and make the README's pictures of the page: ``python -m tests.browser.pictures``."""
+"""Do the job from upload to report and make the README's pictures of the page: ``python -m tests.browser.pictures``."""
 
 import sys
 from pathlib import Path

@@ -33,9 +33,10 @@ class CameAlong:
         came, work = self._opening.came_along, self._editor.work
         content = ""
         if came is not None and came.params == work.params:
-            content = came_along_html(
-                came.source, came_along_words(self._editor.started, work.params, work.rules), self._orders
-            )
+            # Rules that were chosen here did not come along.
+            rules = came.rules if came.rules == work.rules else ChosenRules()
+            words = came_along_words(self._editor.started, work.params, rules)
+            content = came_along_html(came.source, words, self._orders)
         if self._html.content != content:
             self._html.content = content
 

@@ -105,7 +105,7 @@ class Opening:
             source = keeper.label
             self._open(label, work_beside(keeper.work, self._started))
             if keeper.last is None:
-                self.came_along = Arrival(source, keeper.work.params)
+                self.came_along = Arrival(source, keeper.work.params, keeper.work.rules)
         if label not in self._uploads:
             self._client.local_storage.set_item(_VIEWED_KEY if keeper.is_view_only else _SCAN_KEY, label)
         return True

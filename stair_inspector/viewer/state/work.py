@@ -65,10 +65,11 @@ def work_beside(work: Work, started: Work) -> Work:
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """A scan that was opened without saved work: which was open before, and the settings that it began with."""
+    """A scan that was opened without saved work: which was open before, and with which settings and rules it began."""
 
     source: str
     params: Params
+    rules: ChosenRules
 
 
 class Changes(TypedDict, total=False):

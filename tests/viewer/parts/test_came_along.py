@@ -6,6 +6,7 @@ from stair_inspector.errors import ConfigError
 from stair_inspector.files.chosen_rules import ChosenRules
 from stair_inspector.params import Params
 from stair_inspector.viewer.parts.came_along import came_along_html, came_along_words
+from tests.viewer.parts.checks.test_check import choose as choose_rules
 from tests.viewer.parts.test_html import HOSTILE, Page
 from tests.viewer.parts_of import part_of
 from tests.viewer.wire_page import OTHER, STAIR
@@ -45,6 +46,15 @@ def test_the_line_goes_when_other_settings_are_taken_or_the_present_ones_are_kep
     session.opening.came_along = None
     choose(STAIR)
     page.await_result(STAIR)
+    assert line._html.content == ""
+
+
+def test_rules_that_are_chosen_afterwards_did_not_come_along(page, session):
+    line = part_of(session, "frame")._came_along
+    part_of(session, "scan").choose(OTHER)
+    page.await_result(OTHER)
+    choose_rules(session, "us-irc-2024")
+    assert session.editor.work.rules.set_id == "us-irc-2024"
     assert line._html.content == ""
 
 
