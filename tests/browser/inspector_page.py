@@ -8,6 +8,8 @@ import time
 import numpy as np
 from PIL import Image
 
+from stair_inspector.content.note_words import note_sentence
+from stair_inspector.content.remarks import on_page
 from stair_inspector.viewer.bridge.tour import SEEN_KEY
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
@@ -62,7 +64,10 @@ def rows_of(inspection):
         slope = "–" if of.theta_deg is None else f"{of.theta_deg:.2f}"
         lengths = [_mm(length) for length in (of.h_m, of.d_fb_m, of.d_ff_m, of.w_m)]
         rows.append([str(step.step_id), *lengths, slope, f"{step.plane.n_points:,}", _mm(step.plane.rms_m, 2)])
-    return rows if inspection.steps else [*rows, ["No steps."]]
+    if inspection.steps:
+        return rows
+    (why,) = [note.message for note in inspection.notes if note.code == "no_staircase"]
+    return [*rows, [note_sentence(on_page(why))]]
 
 
 def survey_rows_of(inspection):

@@ -112,7 +112,7 @@ def test_a_number_that_is_written_measures_at_once_and_can_be_undone(page):
     assert field.input_value() == "2"
     # More than the stair has: nothing is left of it.
     field.fill("9")
-    told = page.page.get_by_text("no staircase found").locator("visible=true")
+    told = page.page.get_by_text("No staircase found: ").locator("visible=true")
     told.first.wait_for()
     assert "undo: fewest risers 2 to 9" in page.text("changes")
     button(page, "Undo").click()

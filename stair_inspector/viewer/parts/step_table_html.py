@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+from stair_inspector.content.note_words import note_sentence
+from stair_inspector.content.remarks import on_page
 from stair_inspector.files.palettes import Palette
 from stair_inspector.geometry.fits import PlaneFit
 from stair_inspector.model import Inspection, Step
@@ -63,7 +65,8 @@ def table_html(
     elif inspection is not None:
         rows = _paper_rows(inspection, palette, selected, pick_uuid, look, marks)
     if inspection is not None and not inspection.steps:
-        rows += f'<tr><td colspan="{1 + len(columns)}" style="padding:10px 6px;color:{DIM}">No steps.</td></tr>'
+        why = text(_why_no_steps(inspection))
+        rows += f'<tr><td colspan="{1 + len(columns)}" style="padding:10px 6px;white-space:normal">{why}</td></tr>'
     return (
         f'<div data-testid="steps" data-columns="{view}" class="{RESULTS}" style="font-size:12px">'
         '<table data-testid="steps-table" style="border-collapse:collapse;width:100%;'
@@ -172,6 +175,12 @@ def _floor_row(floor: PlaneFit, h_m: float | None, palette: Palette, columns: tu
         f'<tr data-testid="floor-row" style="border-bottom:1px solid {LINE};color:{DIM}">'
         f'<td style="padding:2px 6px;white-space:nowrap">{chip(palette.floor)} floor</td>{body}</tr>'
     )
+
+
+def _why_no_steps(inspection: Inspection) -> str:
+    """Return what stands where there are no rows: the reason, in sight on every tab."""
+    told = [note_sentence(on_page(note.message)) for note in inspection.notes if note.code == "no_staircase"]
+    return told[0] if told else "No steps."
 
 
 def _paper_rows(

@@ -208,9 +208,11 @@ def test_the_columns_are_the_surveys_where_it_was_made_unless_the_papers_are_wan
     assert shown_values(paper, "survey") == "paper"
 
 
-def test_a_survey_without_steps_says_so(inspection):
-    empty = dataclasses.replace(inspection, steps=(), flights=())
-    assert Page(survey_table(empty)).rows[-1] == ["No steps."]
+def test_a_survey_without_steps_says_why(inspection):
+    why = Note("no_staircase", "verdict", "no staircase found: <b>3 horizontal surfaces</b>, too few")
+    empty = dataclasses.replace(inspection, steps=(), flights=(), notes=(why,))
+    assert Page(survey_table(empty)).rows[-1] == ["No staircase found: <b>3 horizontal surfaces</b>, too few."]
+    assert Page(survey_table(dataclasses.replace(empty, notes=()))).rows[-1] == ["No steps."]
 
 
 def test_the_card_has_every_value_of_the_chosen_step(inspection):
