@@ -127,3 +127,30 @@ def test_console_examples_run(command, tmp_path, monkeypatch, capsys):
     assert printed.err == ""
     assert printed.out
     assert not target or target == "mine.toml"
+
+
+def rows_of(page, first):
+    """The rows of the table whose head begins so, by their first cell, each cell without its margin."""
+    text = page.read_text(encoding="utf-8")
+    (table,) = re.findall(rf"^\| {first} \|.*\n\|[-|]+\n((?:\|.*\n)+)", text, re.MULTILINE)
+    cells = [[cell.strip() for cell in row.strip("|").split("|")] for row in table.splitlines()]
+    return {row[0]: row[1:] for row in cells}
+
+
+def test_the_readme_is_as_exact_as_the_reference_page_says():
+    # Of the page: scans, exact, false, missed, then 95th percentile / worst / share of each quantity.
+    wanted = {}
+    for name, row in rows_of(ROOT / ".github" / "docs" / "accuracy.md", "scanner").items():
+        parts = [row[place].split(" / ") for place in (4, 5, 7)]
+        wanted[name] = [row[0], *(f"{p95}, {share.partition(' (')[0]}" for p95, _, share in parts)]
+    assert len(wanted) == 6
+    assert rows_of(README, "scanner") == wanted
+
+
+def test_the_readme_makes_of_difficult_scans_what_the_reference_page_says():
+    page = rows_of(ROOT / ".github" / "docs" / "accuracy.md", "kind")
+    found = rows_of(README, "kind")
+    everything = found.pop("**all**")
+    assert found == {name: row[1:6] for name, row in page.items()}
+    assert everything == [str(sum(int(row[place]) for row in found.values())) for place in range(5)]
+    assert all(row[6] == "0" for row in page.values())
