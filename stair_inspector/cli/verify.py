@@ -11,6 +11,8 @@ from stair_inspector.cli.arguments import Debug, parse_arguments
 from stair_inspector.cli.output import report_error, say
 from stair_inspector.errors import StairError
 
+_MOST_NAMED, _LONGEST_NAME = 20, 255
+
 
 @dataclass(frozen=True)
 class VerifyRecords:
@@ -49,7 +51,8 @@ def run(args: list[str]) -> int:
         for _, sha256 in found.manifest.scans:
             hashes.setdefault(sha256, []).append(stem)
         told = [
-            f"{words} {', '.join(excerpt(name, len(name)) for name in names)}"
+            f"{words} {', '.join(excerpt(name, _LONGEST_NAME) for name in names[:_MOST_NAMED])}"
+            f"{f' and {len(names) - _MOST_NAMED} more' if len(names) > _MOST_NAMED else ''}"
             for words, names in (
                 ("changed since:", found.changed),
                 ("missing:", found.missing),

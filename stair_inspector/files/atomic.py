@@ -10,12 +10,16 @@ import errno
 import json
 import os
 import shutil
+import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from stair_inspector.errors import WriteError
+
+if sys.platform != "win32":
+    import fcntl
 
 _TEMPORARY, _LIST = ".si-", ".si-list-"
 _LONGEST_LIST = 100_000
@@ -23,6 +27,8 @@ _MOST_FILES = 100
 _LEFT_S = 3600.0
 """A temporary file that is older was left by a program that was killed: no file takes so long."""
 _FULL = (errno.ENOSPC, errno.EDQUOT)
+_WAIT_S, _LOOK_S = 60.0, 0.02
+"""How long to wait for another program that writes into a folder, and how often to look."""
 
 
 def write_atomically(path: Path, data: bytes) -> None:
@@ -40,23 +46,29 @@ def write_all_atomically(contents: Mapping[Path, bytes]) -> None:
     """Write files that belong together: all of a folder, or none of it.
 
     The data of all goes to temporary files beside them and is flushed to the disk; only then do they take their names.
-    What a program that was killed had still to name in these folders is named first, see :func:`finish_writing`.
+    What a program that was killed had still to name in these folders is named first, see :func:`finish_writing`. Of two
+    programs that write such files into a folder at once, one waits for the other.
 
     Raises
     ------
     WriteError
-        A folder is missing or cannot be written, a name is not possible, or the disk is full; the existing files are
-        then untouched.
+        A folder is missing or cannot be written, a name is not possible, the disk is full, or another program does not
+        come to an end there; the existing files are then untouched.
     """
     path = Path()
+    alone = contextlib.ExitStack()
     staged: list[tuple[Path, Path]] = []
     lists: list[Path] = []
     kept: list[tuple[Path, Path | None]] = []
     try:
-        for folder in {path.parent: None for path in contents}:
-            path = folder
-            folder.mkdir(parents=True, exist_ok=True)
-            finish_writing(folder)
+        folders = {path.parent: None for path in contents}
+        for path in folders:
+            path.mkdir(parents=True, exist_ok=True)
+        if len(contents) > 1:
+            for real in sorted({os.path.realpath(folder) for folder in folders}):
+                alone.enter_context(_alone_in(real))
+        for path in folders:
+            finish_writing(path)
         for path, data in contents.items():
             if path.is_dir():
                 raise WriteError(f"{path}: cannot be written (it is a folder); choose another folder")
@@ -83,6 +95,7 @@ def write_all_atomically(contents: Mapping[Path, bytes]) -> None:
         for left in (*lists, *(temporary for temporary, _ in staged), *old):
             with contextlib.suppress(OSError):
                 left.unlink(missing_ok=True)
+        alone.close()
 
 
 def finish_writing(folder: Path) -> list[str]:
@@ -101,21 +114,65 @@ def finish_writing(folder: Path) -> list[str]:
     Raises
     ------
     OSError
-        The folder cannot be read or written.
+        The folder cannot be read, or not be written where there is a name to give.
     """
     named: list[str] = []
-    for waiting in sorted(folder.glob(f"{_LIST}*")):
+    for waiting in sorted(path for path in folder.glob(f"{_LIST}*") if path.is_file()):
         for temporary, name in _read_list(waiting):
             if (folder / temporary).is_file():
                 _name(folder / temporary, folder / name)
                 named.append(name)
         waiting.unlink(missing_ok=True)
     for left in folder.glob(f"{_TEMPORARY}*"):
-        with contextlib.suppress(FileNotFoundError):
+        # What cannot be deleted is in nobody's way.
+        with contextlib.suppress(OSError):
             # Of a kept old file the time of its content is older.
             if time.time() - left.stat().st_ctime > _LEFT_S:
                 left.unlink()
     return named
+
+
+@contextlib.contextmanager
+def _alone_in(folder: str) -> Iterator[None]:
+    """Keep other programs from writing files that belong together into a folder; where that can be, as not on Windows.
+
+    Raises
+    ------
+    WriteError
+        One that does so does not come to an end.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    try:
+        lock = os.open(folder, os.O_RDONLY)
+    except OSError:
+        # A folder may be written that cannot be read.
+        yield
+        return
+    try:
+        end = time.monotonic() + _WAIT_S
+        while not _is_locked(lock):
+            if time.monotonic() > end:
+                raise WriteError(f"{folder}: another program is writing there; wait for it, or choose another folder")
+            time.sleep(_LOOK_S)
+        yield
+    finally:
+        # This ends the lock too, as does the end of the program.
+        os.close(lock)
+
+
+if sys.platform != "win32":
+
+    def _is_locked(lock: int) -> bool:
+        """Lock a folder; false where another program has, true too on a file system without locks."""
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True
+        return True
 
 
 def _stage(folder: Path, data: bytes, mode: int) -> Path:

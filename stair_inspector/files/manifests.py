@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -108,16 +109,27 @@ def find_manifests(folder: Path) -> list[Path]:
     Raises
     ------
     ReadError
-        It cannot be read, or holds none.
+        It cannot be read, holds none, or a write that was killed there cannot be finished.
     """
     try:
-        finish_writing(folder)
+        if any(folder.iterdir()):
+            _finish(folder)
         found = sorted(path for path in folder.iterdir() if path.name.endswith(SUFFIX) and path.is_file())
     except OSError as error:
         raise ReadError(f"{folder}: cannot be read ({error.strerror or error}); give a folder of results") from error
     if not found:
         raise ReadError(f"{folder}: holds no *{SUFFIX}; give a folder that measure, check or compare wrote")
     return found
+
+
+def _finish(folder: Path) -> None:
+    try:
+        finish_writing(folder)
+    except OSError as error:
+        raise ReadError(
+            f"{folder}: a write that was killed there cannot be finished ({error.strerror or error}); give a folder "
+            "that can be written, such as a copy of it"
+        ) from error
 
 
 def read_manifest(path: Path) -> Manifest:
@@ -138,10 +150,10 @@ def read_manifest(path: Path) -> Manifest:
             raise ValueError(f"its schema is not {SCHEMA}")
         manifest = Manifest(
             excerpt(path.name.removesuffix(SUFFIX), len(path.name)),
-            _text(found["software"]["version"]),
-            _text(found["made_at"]),
-            tuple((_text(each["file"]), _text(each["sha256"])) for each in found["scans"]),
-            {_name(each["name"]): _text(each["sha256"]) for each in found["files"]},
+            _text(found, "software", "version"),
+            _text(found, "made_at"),
+            tuple((_text(each, "file"), _text(each, "sha256")) for each in _list(found["scans"])),
+            {_name(each): _text(each, "sha256") for each in _list(found["files"])},
         )
     except OSError as error:
         raise ReadError(f"{path}: cannot be read ({error.strerror or error}); give another folder") from error
@@ -180,10 +192,14 @@ def hash_file(path: Path) -> str | None:
     ReadError
         It is there and cannot be read.
     """
-    if not path.exists():
-        return None
     digest = hashlib.sha256()
     try:
+        # Unlike the path's own question this one answers no to a name that no file can have.
+        if not os.path.exists(path):
+            return None
+        # Of a pipe or a device there would be no end.
+        if not path.is_file():
+            raise ReadError(f"{path}: is no file; give a folder of results, or a scan")
         with path.open("rb") as stream:
             while block := stream.read(_BLOCK):
                 digest.update(block)
@@ -206,18 +222,34 @@ def hash_scan(path: Path) -> str:
     return found
 
 
-def _text(value: object) -> str:
-    if not isinstance(value, str):
-        raise TypeError("a name or a hash is no text")
-    return excerpt(value, _LONGEST_TEXT)
+def _text(found: object, *keys: str) -> str:
+    """Return the text under some keys."""
+    for key in keys:
+        if not isinstance(found, dict):
+            raise TypeError(f"what should hold {key!r} is no object")
+        found = found[key]
+    if not isinstance(found, str):
+        raise TypeError(f"{keys[-1]!r} is no text")
+    return excerpt(found, _LONGEST_TEXT)
 
 
-def _name(value: object) -> str:
+def _list(found: object) -> list[object]:
+    if not isinstance(found, list):
+        raise TypeError("its scans or files are no list")
+    return found
+
+
+def _name(found: object) -> str:
     """Return the name of a file: what a manifest names lies beside it."""
-    if not isinstance(value, str) or value != Path(value).name or value in ("", ".", "..") or "\0" in value:
-        raise TypeError("it names a file of another folder")
-    return value
+    name = found.get("name") if isinstance(found, dict) else None
+    if not isinstance(name, str):
+        raise TypeError("the name of a file is no text")
+    if name != Path(name).name or name in ("", ".", "..") or "\0" in name:
+        raise ValueError("it names a file of another folder")
+    return name
 
 
 def _words(error: Exception) -> str:
+    if isinstance(error, RecursionError):
+        return "nested too deeply"
     return f"{error} is missing" if isinstance(error, KeyError) else str(error)[:100]

@@ -64,6 +64,17 @@ for number in itertools.count():
     print(number, flush=True)
 """
 
+WRITE_AT_ONCE = """
+import sys
+from pathlib import Path
+from stair_inspector.files.atomic import write_all_atomically
+
+folder, names = Path(sys.argv[1]), sys.argv[2].split(",")
+sys.stdin.read()
+for number in range(40):
+    write_all_atomically({folder / name: f"{sys.argv[3]} {number}".encode() for name in names})
+"""
+
 
 def filled(folder):
     for name in NAMES:
@@ -181,3 +192,37 @@ def test_what_a_killed_program_left_is_deleted_once_it_is_old(tmp_path, monkeypa
     monkeypatch.setattr(atomic.time, "time", lambda: now + 3700.0)
     finish_writing(tmp_path)
     assert not (tmp_path / ".si-a").exists()
+
+
+def test_two_programs_that_write_at_once_leave_the_files_of_one(tmp_path):
+    command = [sys.executable, "-c", WRITE_AT_ONCE, str(tmp_path), ",".join(NAMES)]
+    programs = [subprocess.Popen([*command, name], stdin=subprocess.PIPE) for name in ("one", "two")]
+    for program in programs:
+        program.stdin.close()
+    assert [program.wait(60) for program in programs] == [0, 0]
+    (found,) = contents(tmp_path)
+    assert found in (b"one 39", b"two 39")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="folders cannot be locked there")
+def test_a_program_that_does_not_come_to_an_end_is_a_sentence(tmp_path, monkeypatch):
+    new = filled(tmp_path)
+    monkeypatch.setattr(atomic, "_WAIT_S", 0.05)
+    with (
+        atomic._alone_in(str(tmp_path)),
+        pytest.raises(WriteError, match="another program is writing there; wait for it, or choose another folder"),
+    ):
+        write_all_atomically(new)
+    assert contents(tmp_path) == {OLD}
+    # One file cannot be mixed with others, and waits for nobody.
+    with atomic._alone_in(str(tmp_path)):
+        write_all_atomically({tmp_path / NAMES[0]: NEW})
+    write_all_atomically(new)
+    assert contents(tmp_path) == {NEW}
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes there")
+def test_a_list_that_is_no_file_is_left_alone(tmp_path):
+    (tmp_path / ".si-list-a").mkdir()
+    os.mkfifo(tmp_path / ".si-list-b")
+    assert finish_writing(tmp_path) == []
