@@ -140,6 +140,13 @@ def value_and_u(measured: Measured, unit: ShownUnit, digits: int = 1) -> tuple[s
     return number_text(measured.value, unit, places_of(_scaled(measured.u, unit), digits)), u
 
 
+def signed_number(number: str) -> str:
+    """Return a number that is written out as a difference: with its sign, and nothing where it is zero as shown."""
+    if not number.strip("-0."):
+        return ""
+    return number.replace("-", "−") if number.startswith("-") else f"+{number}"
+
+
 def measured_text(measured: Measured, unit: ShownUnit, digits: int = 1) -> str:
     """Return a value with its uncertainty: ``170.1 ± 0.4 mm``, ``31.2 ± 0.3°``, ``6 11/16 in (6.697 ± 0.016)``.
 

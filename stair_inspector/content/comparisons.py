@@ -22,7 +22,7 @@ from stair_inspector.model import (
 )
 from stair_inspector.quantities import quantity_of
 from stair_inspector.quantity_types import NOTATIONS
-from stair_inspector.units import measured_text, places_of, shown_in, u_text
+from stair_inspector.units import measured_text, places_of, shown_in, signed_number, u_text, value_and_u
 
 COMPARISON_SCHEMA = "stair-inspector/comparison-1"
 CHANGED = "*"
@@ -103,7 +103,10 @@ def changes_in_numbers(compared: ComparedScan) -> Table:
     def of(words: str, change: Callable[[StepChange], ValueChange | None]) -> TablePart[StepChange]:
         known = next((value for value in map(change, steps) if value is not None), None)
         _, unit, digits = _notation("height" if known is None else known.quantity)
-        heads = Column(f"Δ {words}", unit, digits, is_signed=True), Column("U", unit, digits, is_u=True)
+        heads = (
+            Column(f"Δ {words}", unit, digits, is_difference=True, is_signed=True),
+            Column("U", unit, digits, is_u=True),
+        )
         return heads, lambda step: _numbers_of(change(step))
 
     def value(place: int) -> TablePart[StepChange]:
@@ -156,7 +159,10 @@ def alignment_facts(compared: ComparedScan) -> Facts:
 
 
 def change_text(value: ValueChange) -> str | None:
-    """Return a change with its sign and U, without a unit, starred where it is one: ``−4.1 ± 0.4 *``."""
+    """Return a change with its sign and U, without a unit, starred where it is one: ``−4.1 ± 0.4 *``.
+
+    What is zero as shown is blank before its U.
+    """
     if value.change is None:
         return None
     return _signed(value.change, value.quantity) + (f" {CHANGED}" if value.is_changed else "")
@@ -164,8 +170,8 @@ def change_text(value: ValueChange) -> str | None:
 
 def _signed(change: Measured, quantity: str) -> str:
     unit = shown_in("m" if quantity == "height" else quantity_of(quantity).unit, "mm")
-    words = measured_text(change, unit).removesuffix(unit).rstrip()
-    return words.replace("-", "−") if words.startswith("-") else f"+{words}"
+    number, u = value_and_u(change, unit)
+    return f"{signed_number(number)} ± {u}".lstrip()
 
 
 def _notation(quantity: str) -> tuple[float, str, int]:

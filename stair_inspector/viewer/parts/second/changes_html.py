@@ -14,7 +14,7 @@ from stair_inspector.pictures.change_sheets import map_pixels, map_width_m
 from stair_inspector.pictures.changes import change_legend, change_limit
 from stair_inspector.pictures.tread_sheets import layout_of
 from stair_inspector.quantities import quantity_of
-from stair_inspector.units import NOT_KNOWN, Unit, measured_text, shown_in, u_text, value_and_u
+from stair_inspector.units import NOT_KNOWN, Unit, measured_text, shown_in, signed_number, u_text, value_and_u
 from stair_inspector.viewer.bridge.markup import (
     CHOSEN,
     DIM,
@@ -132,7 +132,6 @@ def _value(value: ValueChange, unit: Unit) -> str:
         return f'<td data-quantity="{value.quantity}" style="{_CELL};color:{DIM}">{NOT_KNOWN}</td>'
     shown = shown_in("m" if value.quantity == _HEIGHT else quantity_of(value.quantity).unit, unit)
     number, u = value_and_u(value.change, shown)
-    signed = number.replace("-", "−") if number.startswith("-") else f"+{number}" if number.strip("0.") else number
     hint = ""
     if value.before is not None and value.after is not None:
         hint = f"{measured_text(value.before, shown)} → {measured_text(value.after, shown)}"
@@ -140,7 +139,7 @@ def _value(value: ValueChange, unit: Unit) -> str:
     mark = f" {CHANGED}" if value.is_changed else ""
     return (
         f'<td data-quantity="{value.quantity}" data-changed="{"true" if value.is_changed else "false"}" '
-        f'title="{text(hint)}" style="{_CELL}{bold}">{signed}{mark}'
+        f'title="{text(hint)}" style="{_CELL}{bold}">{signed_number(number)}{mark}'
         f'<div style="color:{DIM};font-weight:400">± {u}</div></td>'
     )
 

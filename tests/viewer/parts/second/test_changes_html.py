@@ -5,7 +5,8 @@ import re
 
 import pytest
 
-from stair_inspector.model import ComparedScan
+from stair_inspector.content.comparisons import change_text
+from stair_inspector.model import ComparedScan, Measured
 from stair_inspector.viewer.parts.second.changes_html import changes_html, maps_html, words_html
 from tests.comparison.epochs import LAST, SETTLED, TURNED, WORN, compared
 
@@ -72,3 +73,14 @@ def test_a_tread_that_was_not_seen_in_both_has_words_instead_of_a_map(is_all):
     assert "step 1: not seen in both scans" in html
     assert html.count("<img") == (LAST - 1 if is_all else 0)
     assert "the outlined place lies −2.5 ± 1.7 mm off the rest" in maps_html(seen, WORN, is_all=False)
+
+
+def test_a_change_that_is_zero_as_shown_is_blank_before_its_u():
+    first = SEEN.found.steps[0]
+    height = dataclasses.replace(first.height, change=Measured(-0.00001, 0.0004), is_changed=False)
+    steps = (dataclasses.replace(first, height=height), *SEEN.found.steps[1:])
+    html = changes_html(ComparedScan(dataclasses.replace(SEEN.found, steps=steps), is_earlier=True), None, "u")
+    shown = re.findall(r'data-step="1".*?data-quantity="height"[^>]*>(.*?)</td>', html, re.S)[0]
+    assert re.sub("<.*?>", "", shown) == "± 0.4"
+    assert change_text(height) == "± 0.4"
+    assert change_text(dataclasses.replace(height, change=Measured(0.0012, 0.0004))) == "+1.2 ± 0.4"
