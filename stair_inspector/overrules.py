@@ -18,6 +18,7 @@ from stair_inspector.errors import ConfigError, brief, is_one_line
 ForcedKind = Literal["tread", "landing", "rejected"]
 
 _LONGEST_REASON = 300
+_FARTHEST_M = 1e9
 
 NAMED_UP: dict[str, tuple[float, float, float]] = {
     "x": (1.0, 0.0, 0.0),
@@ -100,7 +101,7 @@ def parse_force(text: str) -> tuple[Force, ...]:
             numbers = [float(number) for number in value.split(",")] if target == "at" else [float(int(value))]
         except ValueError:
             numbers = []
-        is_place = len(numbers) == (3 if target == "at" else 1) and all(abs(number) < 1e9 for number in numbers)
+        is_place = len(numbers) == (3 if target == "at" else 1) and all(abs(number) < _FARTHEST_M for number in numbers)
         if target not in ("level", "patch", "at") or kind not in get_args(ForcedKind) or not is_place:
             raise ConfigError(
                 f"overrules.force: got {entry[:60]!r}; give entries such as level:3=rejected, patch:12=tread "
@@ -213,7 +214,8 @@ def parse_region(text: str) -> Region | None:
     Raises
     ------
     ConfigError
-        Not six finite numbers, or seven with a bearing of at most a full turn; or a side without length.
+        Not six finite numbers, or seven with a bearing of at most a full turn and no corner beyond 1e9 m; or a side
+        without length.
 
     Examples
     --------
@@ -232,6 +234,8 @@ def parse_region(text: str) -> Region | None:
                 f"overrules.region: got the bearing {brief(last)}; give degrees about the vertical, from -360 to 360"
             )
     box = parse_box(corners, "overrules.region", "metres")
+    if box is not None and bearing_deg is not None and not all(abs(number) <= _FARTHEST_M for number in sum(box, ())):
+        raise ConfigError(f"overrules.region: got {text[:80]!r}; give the corners of a turned box within 1e9 m")
     return None if box is None else Region(*box, bearing_deg)
 
 

@@ -172,7 +172,8 @@ def test_overrules_in_a_preset_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text", ["1,2,3,4,5,6,7,8", "0,0,0,1,1,1,north", "0,0,0,1,1,1,361", "0,0,0,1,1,1,nan", "0,0,1,9"]
+    "text",
+    ["1,2,3,4,5,6,7,8", "0,0,0,1,1,1,north", "0,0,0,1,1,1,361", "0,0,0,1,1,1,nan", "1e300,0,0,1e308,1,1,30", "0,0,1,9"],
 )
 def test_a_region_that_cannot_be_is_a_sentence(text):
     with pytest.raises(ConfigError, match=r"overrules.region: got .*; give "):

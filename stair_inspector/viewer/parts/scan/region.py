@@ -230,9 +230,14 @@ def region_around(inspection: Inspection) -> Region:
 
 
 def _rounded(region: Region) -> Region:
-    """Return a region to the millimetre, its bearing to the tenth of a degree, none where it is not turned."""
+    """Return a region to the millimetre, its bearing to the tenth of a degree, none where it is not turned.
+
+    A box that was turned by more than the control of the page can show is the same one after a half turn.
+    """
     low, high = (tuple(round(value, 3) + 0.0 for value in corner) for corner in (region.low, region.high))
     bearing = round(region.bearing_deg or 0.0, 1)
+    if abs(bearing) > _QUARTER_DEG:
+        bearing = round((bearing + _QUARTER_DEG) % (2.0 * _QUARTER_DEG) - _QUARTER_DEG, 1)
     return _region(np.array(low), np.array(high), bearing or None)
 
 

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from stair_inspector.overrules import parse_region, region_text
+from stair_inspector.geometry.boxes import turned_box
+from stair_inspector.overrules import Region, parse_region, region_text
 from stair_inspector.params import Params
 from stair_inspector.pictures.coloring import dimmed
 from stair_inspector.pipeline import inspect
 from stair_inspector.quantities import IN_TABLE, with_above
 from stair_inspector.stages.orient import region_box
-from stair_inspector.viewer.parts.scan.region import region_around
+from stair_inspector.viewer.parts.scan.region import _rounded, region_around
 from tests.synthetic import Stair, motion, rotation
 from tests.test_samples import inspect_sample, load_sample
 from tests.viewer.parts_of import part_of
@@ -102,3 +103,17 @@ def test_the_scene_dims_what_the_box_leaves_out_and_the_bearing_turns_it(page, s
     session.editor.undo()
     page.await_result()
     assert tool.bearing.value == (parse_region(text).bearing_deg or 0.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "shown"), [(300.0, -60.0), (-120.0, 60.0), (90.0, 90.0), (360.0, None), (-0.0, None)]
+)
+def test_a_bearing_beyond_the_slider_is_that_of_the_same_box(given, shown):
+    region = Region((0.0, 0.0, 0.0), (1.0, 2.0, 3.0), given)
+    assert _rounded(region).bearing_deg == shown
+    corners = [
+        turned_box(np.array(each.low), np.array(each.high), np.array([0.0, 0.0, 1.0]), each.bearing_deg).corners()
+        for each in (region, _rounded(region))
+    ]
+    one, two = (each[np.lexsort(each.round(9).T)] for each in corners)
+    np.testing.assert_allclose(one, two, atol=1e-12)
