@@ -3,11 +3,12 @@
 import hashlib
 import json
 import shutil
+from dataclasses import replace
 
 import pytest
 
 from stair_inspector.files.ply import ply_bytes
-from stair_inspector.files.project_files import save_project
+from stair_inspector.files.project_files import parse_project, save_project
 from stair_inspector.files.projects import Project, SecondScan
 from stair_inspector.params import Params
 from tests.synthetic import Stair
@@ -121,3 +122,17 @@ def test_a_second_scan_that_is_gone_or_changed_is_a_sentence_beside_the_results(
     words = "is neither there nor beside the project" if is_gone else "has changed since the project"
     assert words in err
     assert json.loads((tmp_path / "made" / "later.json").read_text())["comparison"] is None
+
+
+def test_a_scan_is_not_compared_with_itself(run, scans):  # noqa: F811
+    given = ("compare", scans / "earlier.ply", scans / "earlier.ply", *GIVEN)
+    assert "are one scan, byte for byte; give two scans of the stair" in refusal(run, *given)
+
+
+def test_the_scan_of_a_project_is_not_taken_for_a_second_one_of_its_name(run, project, tmp_path):  # noqa: F811
+    found = parse_project(project.read_bytes(), "project")
+    save_project(project, replace(found, second=replace(found.second, file="/elsewhere/later.ply")))
+    code, _, err = run("measure", "--project", project, "-o", tmp_path / "made")
+    assert code == 3
+    assert "/elsewhere/later.ply: this second scan of the project" in err
+    assert "is neither there nor beside the project" in err

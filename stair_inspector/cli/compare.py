@@ -96,5 +96,7 @@ def _compare(before: Path, after: Path, settings: "Params") -> "tuple[ScanCompar
     from stair_inspector.pipeline import inspect
 
     scans = [read_scan(path, *settings.reading) for path in (before, after)]
+    if scans[0].sha256 == scans[1].sha256:
+        raise ConfigError(f"compare: {before} and {after} are one scan, byte for byte; give two scans of the stair")
     one, two = ((scan, inspect(scan, settings)) for scan in scans)
     return compare_scans(*one, *two), *two

@@ -35,7 +35,7 @@ def _compared(second: "SecondScan", project_file: str, scan: "Scan", inspection:
     from stair_inspector.params import Params
     from stair_inspector.pipeline import inspect
 
-    path = _found(second, Path(project_file))
+    path = _found(second, Path(project_file), scan.name)
     settings = settings_beside(inspection.params, Params())
     other = read_scan(path, *settings.reading)
     if other.sha256 != second.sha256:
@@ -48,8 +48,12 @@ def _compared(second: "SecondScan", project_file: str, scan: "Scan", inspection:
     return ComparedScan(compare_scans(*earlier, *later), is_earlier=not second.is_earlier)
 
 
-def _found(second: "SecondScan", project_file: Path) -> Path:
-    for path in (Path(second.file), project_file.parent / second.name):
+def _found(second: "SecondScan", project_file: Path, scan_name: str) -> Path:
+    # The scan of the project lies beside it, and the second one may have its name in a folder of its own.
+    places = [Path(second.file)]
+    if second.name != scan_name:
+        places.append(project_file.parent / second.name)
+    for path in places:
         try:
             if path.is_file():
                 return path

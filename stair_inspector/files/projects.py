@@ -14,6 +14,7 @@ from typing import Any
 
 from stair_inspector.errors import ConfigError, ReadError, is_one_line
 from stair_inspector.files.chosen_rules import ChosenRules
+from stair_inspector.files.raw_cloud import excerpt
 from stair_inspector.geometry.arrays import Point
 from stair_inspector.params import Params
 
@@ -103,6 +104,11 @@ class SecondScan:
     def name(self) -> str:
         """The name of its file."""
         return Path(self.file).name or self.file
+
+    @property
+    def shown_name(self) -> str:
+        """The name as a page can show it, whatever a project file says."""
+        return excerpt(self.name, _LONGEST_NAME)
 
 
 @dataclass(frozen=True, slots=True)

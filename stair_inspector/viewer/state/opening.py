@@ -165,7 +165,9 @@ class Opening:
         """
         paths = {label: self.path_of(label) for label in self._library.labels(self._uploads)}
         same = [label for label, path in paths.items() if str(path.absolute()) == second.file]
-        return next(iter(same or (label for label, path in paths.items() if path.name == second.name)), None)
+        # Two scans of one stair often have one name, each in a folder of its own: it is not the one that is open.
+        named = (label for label, path in paths.items() if path.name == second.name and label != self._keeper.label)
+        return next(iter(same or named), None)
 
     def settings_of(self, label: str, params: Params) -> Params:
         """Return the settings of the scan that is open for another one, which keeps what was said of it by itself."""

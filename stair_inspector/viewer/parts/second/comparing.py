@@ -52,8 +52,7 @@ class SecondMeasured:
             It is no longer wanted.
         """
         scan = self._read(label, self._opening.settings_of(label, shown.inspection.params), job)
-        if scan.sha256 == shown.scan.sha256:
-            raise ConfigError(f"{label}: is the scan that is open; choose another scan of the same stair")
+        _check_other(label, scan, shown)
         return SecondScan(str(self._opening.path_of(label).absolute()), scan.sha256, is_earlier)
 
     def compare(self, second: SecondScan, shown: Shown, job: SideJob, tell: Told) -> ComparedScan:
@@ -63,6 +62,8 @@ class SecondMeasured:
         ------
         ReadError
             The file is gone, or has changed.
+        ConfigError
+            It is the scan that is open.
         StairError
             It cannot be measured, or not compared.
         Cancelled
@@ -71,8 +72,8 @@ class SecondMeasured:
         label = self._opening.label_of(second)
         if label is None:
             raise ReadError(
-                f"{second.name}: this second scan is not among the scans of this server; start it with that file or "
-                "its folder too, or upload it, or end the comparison"
+                f"{second.shown_name}: this second scan is not among the scans of this server; start it with that file "
+                "or its folder too, or upload it, or end the comparison"
             )
         tell(f"reading {label} …")
         params = self._opening.settings_of(label, shown.inspection.params)
@@ -82,6 +83,7 @@ class SecondMeasured:
                 f"{label}: has changed since it was chosen as the second scan; compare anew to take it as it is now, "
                 "or end the comparison"
             )
+        _check_other(label, scan, shown)
         tell(f"measuring {label} …")
         other = self._inspected(scan, params, job)
         _check_answered(shown.label, shown.inspection, "answer it above the tabs")
@@ -100,6 +102,11 @@ class SecondMeasured:
         if last is None or last.scan is not scan or last.params != params:
             last = self._last = _Measured(scan, params, inspect(scan, params, job.memo))
         return last.inspection
+
+
+def _check_other(label: str, scan: Scan, shown: Shown) -> None:
+    if scan.sha256 == shown.scan.sha256:
+        raise ConfigError(f"{label}: is the scan that is open; choose another scan of the same stair")
 
 
 def _check_answered(label: str, inspection: Inspection, cure: str) -> None:

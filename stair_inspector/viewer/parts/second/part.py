@@ -188,7 +188,7 @@ class SecondScanPart(PagePart):
             self._choosing = self._error = ""
             second = self._editor.work.second
             if second is not None:
-                self._editor.change(f"ended the comparison with {second.name}", second=None)
+                self._editor.change(f"ended the comparison with {second.shown_name}", second=None)
             else:
                 self._show_choice()
 
@@ -232,7 +232,7 @@ class SecondScanPart(PagePart):
         if self._asked is not None and self._asked[0] is shown.inspection and self._asked[1] == second:
             return
         made = "is still being made; wait for it, or end it under Compare"
-        desk.compared, desk.uncompared = None, f"the comparison with {second.name} {made}"
+        desk.compared, desk.uncompared = None, f"the comparison with {second.shown_name} {made}"
         if not is_at_rest:
             # The next result will be compared; what is being compared is of one that is no longer shown.
             self._runs.stop()
@@ -291,7 +291,7 @@ class SecondScanPart(PagePart):
             self._doing = self._choosing = ""
             self._error = on_page(" ".join(words.split()))
             if self._error and self._editor.work.second is not None:
-                name = self._editor.work.second.name
+                name = self._editor.work.second.shown_name
                 self._desk.uncompared = f"there is no comparison with {name}; see why under Compare, or end it there"
                 if self._error != _CANCELLED:
                     self._desk.notices.tell("Not compared", self._error, is_failure=True)
@@ -308,8 +308,8 @@ class SecondScanPart(PagePart):
         second, labels = self._editor.work.second, self._labels()
         chosen = self._choosing or NO_SCAN
         if second is not None and not self._choosing:
-            chosen = self._context.opening.label_of(second) or second.name
-            labels = labels if chosen in labels else (*labels, chosen)
+            chosen = self._context.opening.label_of(second) or second.shown_name
+            labels = labels if chosen in (NO_SCAN, *labels) else (*labels, chosen)
         offer(self.scan, (NO_SCAN, *labels), chosen)
         self.side.show(self._side)
         self.introduction.visible = self.from_file.visible = second is None and not self._choosing

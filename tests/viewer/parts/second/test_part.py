@@ -289,3 +289,28 @@ def test_the_files_of_the_page_hold_the_comparison(page, part, monkeypatch):
     maker._from_scene.value = False
     maker.make("HTML")
     assert "Changes between two scans" in sent["earlier_report.html"].decode()
+
+
+def test_a_second_scan_of_the_name_of_the_one_that_is_open_is_another_file(page, part):
+    second = SecondScan(f"/elsewhere/{EARLIER}", "0" * 64, is_earlier=True)
+    page.session.editor.change("a project", second=second)
+    assert f"{EARLIER}: this second scan is not among the scans of this server; " in error(page, part)
+
+
+def test_a_project_that_compares_a_scan_with_itself_is_refused(page, part, folder):
+    page.session.editor.change("a project", second=second_of(folder, EARLIER))
+    assert f"{EARLIER}: is the scan that is open; choose another scan of the same stair" in error(page, part)
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [(NO_SCAN, NO_SCAN), ("a\udcff.ply", "a\\udcff.ply"), ("x" * 3000, "x" * 200 + "..."), ("<b>.ply", "<b>.ply")],
+)
+def test_whatever_a_project_calls_its_second_scan_the_page_can_show(page, part, name, shown):
+    page.session.editor.change("a project", second=SecondScan(f"/nowhere/{name}", "0" * 64, is_earlier=True))
+    assert "this second scan is not among the scans" in error(page, part)
+    assert part.scan.value == shown
+    assert len(set(part.scan.options)) == len(part.scan.options)
+    assert "<b>" not in part.state.content
+    part.end_comparison()
+    assert part.scan.value == NO_SCAN
