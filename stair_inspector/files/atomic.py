@@ -83,8 +83,7 @@ def write_all_atomically(contents: Mapping[Path, bytes]) -> None:
     except OSError as error:
         _undo(kept)
         reason = error.strerror or str(error)
-        hint = "make room on this disk" if error.errno in _FULL else "choose a folder you may write to"
-        raise WriteError(f"{path}: cannot be written ({reason}); {hint}") from error
+        raise WriteError(f"{path}: cannot be written ({reason}); {_hint_on(error)}") from error
     except BaseException:
         # Also when the user interrupts.
         _undo(kept)
@@ -262,6 +261,12 @@ def _undo(kept: Sequence[tuple[Path, Path | None]]) -> None:
                 os.replace(old, path)
             else:
                 path.unlink(missing_ok=True)
+
+
+def _hint_on(error: OSError) -> str:
+    if error.errno == errno.ENAMETOOLONG:
+        return "give the scan, or the folder, a shorter name"
+    return "make room on this disk" if error.errno in _FULL else "choose a folder you may write to"
 
 
 def _umask() -> int:

@@ -226,3 +226,10 @@ def test_a_list_that_is_no_file_is_left_alone(tmp_path):
     (tmp_path / ".si-list-a").mkdir()
     os.mkfifo(tmp_path / ".si-list-b")
     assert finish_writing(tmp_path) == []
+
+
+def test_a_name_that_is_too_long_has_its_own_cure(tmp_path):
+    new = filled(tmp_path) | {tmp_path / ("x" * 300): NEW}
+    with pytest.raises(WriteError, match=r"cannot be written \(File name too long\); give the scan, or the folder, a "):
+        write_all_atomically(new)
+    assert contents(tmp_path) == {OLD}
