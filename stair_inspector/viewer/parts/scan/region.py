@@ -21,6 +21,7 @@ _EDGES = ((0, 1), (1, 3), (3, 2), (2, 0), (4, 5), (5, 7), (7, 6), (6, 4), (0, 4)
 """Pairs of the corners of a box that are joined; bit 2 of a corner's number is x, bit 1 y, bit 0 z."""
 _QUARTER_DEG = 90.0
 _ROOM_M = 0.01
+_FARTHEST_M = 1e6
 _LEAST_M = 0.002
 """A handle that was dragged onto another leaves so much of a box."""
 
@@ -157,6 +158,10 @@ class RegionTool:
                 return
             up, bearing = shown.inspection.up.vector, region.bearing_deg
             places = np.array([handle.position for handle in self._handles])
+            if not (np.abs(places) <= _FARTHEST_M).all():
+                # The handles go back to the box as it is.
+                self.draw()
+                raise ConfigError(f"region: a corner cannot be moved beyond {_FARTHEST_M:g} m; move it to the stair")
             low, high = box_around(places, np.zeros(3), up, bearing)
             high = np.maximum(high, low + _LEAST_M)
             origin = shown.scan.origin_m

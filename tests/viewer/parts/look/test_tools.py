@@ -149,6 +149,20 @@ def test_numbers_that_are_being_written_stay_until_they_are_applied(page, sessio
     np.testing.assert_allclose([region.low, region.high], [low - 1.0, high])
 
 
+@pytest.mark.parametrize("place", [np.nan, np.inf, 1e200])
+def test_a_handle_that_is_moved_to_nowhere_leaves_the_box(page, session, place):
+    region = part_of(session, "scan").region
+    region.is_shown.value = True
+    region.set_shown(True)
+    box = region._box
+    region._handles[0].position = (place, 0.0, 0.0)
+    with pytest.raises(ConfigError, match="a corner cannot be moved beyond"):
+        region._on_drag(SimpleNamespace(phase="end"))
+    assert region._box == box
+    assert numbers(session).tolist() == [list(box.low), list(box.high)]
+    assert np.isfinite([handle.position for handle in region._handles]).all()
+
+
 # Views.
 
 
