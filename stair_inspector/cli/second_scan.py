@@ -49,6 +49,8 @@ def _compared(second: "SecondScan", project_file: str, scan: "Scan", inspection:
 
 
 def _found(second: "SecondScan", project_file: Path, scan_name: str) -> Path:
+    from stair_inspector.files.raw_cloud import excerpt
+
     # The scan of the project lies beside it, and the second one may have its name in a folder of its own.
     places = [Path(second.file)]
     if second.name != scan_name:
@@ -61,6 +63,6 @@ def _found(second: "SecondScan", project_file: Path, scan_name: str) -> Path:
             # A name longer than the system allows, or with a zero byte.
             continue
     raise ReadError(
-        f"{second.file}: this second scan of the project {project_file} is neither there nor beside the project; put "
-        "it there, or end the comparison on the page"
+        f"{excerpt(second.file, len(second.file))}: this second scan of the project {project_file} is neither there "
+        "nor beside the project; put it there, or end the comparison on the page"
     )
