@@ -157,7 +157,9 @@ def _alone_in(folder: str) -> Iterator[None]:
             time.sleep(_LOOK_S)
         yield
     finally:
-        # This ends the lock too, as does the end of the program.
+        # A process that was begun meanwhile may hold the same lock: closing it here alone would not end it.
+        with contextlib.suppress(OSError):
+            fcntl.flock(lock, fcntl.LOCK_UN)
         os.close(lock)
 
 

@@ -233,3 +233,23 @@ def test_a_name_that_is_too_long_has_its_own_cure(tmp_path):
     with pytest.raises(WriteError, match=r"cannot be written \(File name too long\); give the scan, or the folder, a "):
         write_all_atomically(new)
     assert contents(tmp_path) == {OLD}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="folders cannot be locked there")
+def test_a_process_that_was_begun_while_files_were_written_keeps_nobody_waiting(tmp_path, monkeypatch):
+    new, copies = filled(tmp_path), []
+    plain = os.open
+
+    def copied(*args, **options):
+        copies.append(os.dup(handle := plain(*args, **options)))
+        return handle
+
+    with monkeypatch.context() as during:
+        # What a child has of its parent's files.
+        during.setattr(atomic.os, "open", copied)
+        with atomic._alone_in(str(tmp_path)):
+            assert len(copies) == 1
+    monkeypatch.setattr(atomic, "_WAIT_S", 0.05)
+    write_all_atomically(new)
+    os.close(copies[0])
+    assert contents(tmp_path) == {NEW}
