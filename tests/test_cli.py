@@ -821,7 +821,7 @@ def test_a_reader_that_has_seen_enough_does_not_stop_the_work(stair_file, tmp_pa
     with done.stderr:
         assert done.stderr.read() == b""
     assert done.wait(timeout=120) == 0
-    assert len(list((tmp_path / "out").glob("*.json"))) == 3
+    assert len(list((tmp_path / "out").glob("*.manifest.json"))) == 3
 
 
 def test_config_errors_are_value_errors_so_that_tyro_reports_them():
