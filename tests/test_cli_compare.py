@@ -105,6 +105,24 @@ def test_measure_with_a_project_compares_with_its_second_scan(run, project, tmp_
     assert json.loads((tmp_path / "paper" / "later.json").read_text())["comparison"] is None
 
 
+def test_a_second_scan_is_read_in_the_unit_of_its_own_project(run, project, scans, tmp_path):  # noqa: F811
+    # In feet, which no stair tells from others by itself here: its own project states it.
+    path = tmp_path / "earlier.ply"
+    path.write_bytes(ply_bytes(Stair(noise=0.001, seed=1).sample()[0] / 0.3048))
+    sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+    save_project(tmp_path / "earlier.stair.json", Project("earlier.ply", sha256, Params(up="z", unit="ft")))
+    later = parse_project(project.read_bytes(), project.name)
+    save_project(project, replace(later, second=replace(later.second, sha256=sha256)))
+    code, _, err = run("measure", "--project", project, "-o", tmp_path / "made")
+    assert (code, err) == (0, "")
+    assert json.loads((tmp_path / "made" / "later.json").read_text())["comparison"]["before"]["unit"] == "ft"
+    # A project of another scan says nothing of it.
+    save_project(tmp_path / "earlier.stair.json", Project("earlier.ply", "0" * 64, Params(up="z", unit="in")))
+    assert run("measure", "--project", project, "-o", tmp_path / "again")[0] in (0, 3)
+    found = json.loads((tmp_path / "again" / "later.json").read_text())["comparison"]
+    assert found is None or found["before"]["unit"] != "in"
+
+
 @pytest.mark.parametrize("is_gone", [True, False])
 def test_a_second_scan_that_is_gone_or_changed_is_a_sentence_beside_the_results(
     run,  # noqa: F811

@@ -9,6 +9,7 @@ from stair_inspector.errors import ReadError, StairError
 if TYPE_CHECKING:
     from stair_inspector.files.projects import Project, SecondScan
     from stair_inspector.model import ComparedScan, Inspection, Scan
+    from stair_inspector.params import Params
 
 
 def compared_or_told(
@@ -32,11 +33,10 @@ def _compared(second: "SecondScan", project_file: str, scan: "Scan", inspection:
     from stair_inspector.files.scans import read_scan
     from stair_inspector.files.settings import settings_beside
     from stair_inspector.model import ComparedScan
-    from stair_inspector.params import Params
     from stair_inspector.pipeline import inspect
 
     path = _found(second, Path(project_file), scan.name)
-    settings = settings_beside(inspection.params, Params())
+    settings = settings_beside(inspection.params, _own_params(second, path))
     other = read_scan(path, *settings.reading)
     if other.sha256 != second.sha256:
         raise ReadError(
@@ -46,6 +46,19 @@ def _compared(second: "SecondScan", project_file: str, scan: "Scan", inspection:
     ours, theirs = (scan, inspection), (other, inspect(other, settings))
     earlier, later = (theirs, ours) if second.is_earlier else (ours, theirs)
     return ComparedScan(compare_scans(*earlier, *later), is_earlier=not second.is_earlier)
+
+
+def _own_params(second: "SecondScan", path: Path) -> "Params":
+    """Return what was set for the second scan by itself, as its unit and up: in its own project beside it, if any."""
+    from stair_inspector.files.project_files import read_project
+    from stair_inspector.files.projects import autosave_path
+    from stair_inspector.params import Params
+
+    kept = autosave_path(path)
+    if not kept.is_file():
+        return Params()
+    own = read_project(kept)
+    return own.params if own.scan_sha256 == second.sha256 else Params()
 
 
 def _found(second: "SecondScan", project_file: Path, scan_name: str) -> Path:
