@@ -205,10 +205,9 @@ class Desk:
             raise ConfigError(f"{what}: there is no result yet; wait for the first one")
         return self.shown
 
-    def result_to_send(self, what: str) -> Shown:
-        """Return the last good result with its notes as in :attr:`marked`, for files; raises as :meth:`result`."""
-        shown = self.result(what)
-        return replace(shown, inspection=self.marked or shown.inspection)
+    def inspection_to_send(self, what: str) -> Inspection:
+        """Return the last good inspection with its notes as in :attr:`marked`, for files; raises as :meth:`result`."""
+        return self.marked or self.result(what).inspection
 
     def compared_of(self, shown: Shown) -> ComparedScan | None:
         """Return what changed against a second scan, None where that is of another result than this one."""

@@ -95,7 +95,7 @@ class Downloads:
         """Send a file of the result that is shown."""
         desk = self._desk
         with desk.lock:
-            shown, told = desk.result("export"), desk.result_to_send("export").inspection
+            shown, told = desk.result("export"), desk.inspection_to_send("export")
             check = self._judge.checked() if kind in ("JSON", "BCF") else None
             pinned = self._editor.work.findings
             compared = desk.comparison(kind) if kind == "JSON" else None

@@ -41,9 +41,10 @@ _ENDINGS = {
 
 @dataclasses.dataclass(frozen=True, slots=True, eq=False)
 class _Order:
-    """What a report is made of, all of one moment."""
+    """What a report is made of, all of one moment: ``inspection`` is that shown, with all that the page says of it."""
 
     shown: Shown
+    inspection: Inspection
     check: Check | None
     basis: ReportBasis
     pinned: PinnedFindings
@@ -101,25 +102,26 @@ class ReportMaker:
 
     def _order(self) -> _Order:
         with self._desk.lock:
-            shown = self._desk.result_to_send("report")
+            shown, inspection = self._desk.result("report"), self._desk.inspection_to_send("report")
             work = self._editor.work
             check = self._judge.checked()
             compared = self._desk.comparison("report")
             basis = titled(work.basis, work.title)
-            return _Order(shown, check, basis, work.findings, datetime.datetime.now(), self._length, compared)
+            made_at = datetime.datetime.now()
+            return _Order(shown, inspection, check, basis, work.findings, made_at, self._length, compared)
 
     def _made(self, kind: str, order: _Order, tell: Tell) -> bytes:
         if kind in DRAWINGS:
             return self._drawn(kind, order)
-        shown, stem = order.shown, order.shown.stem
+        inspection, stem = order.inspection, order.shown.stem
         # A workbook has no pictures.
         views = () if kind == "XLSX" else self._views_of(order, tell)
         tell("report: charts and drawings …", _VIEWS_PERCENT)
         json_name = f"{stem}.json"
-        results = json_bytes(shown.inspection, order.check, order.pinned, order.compared)
+        results = json_bytes(inspection, order.check, order.pinned, order.compared)
         document = make_report(
-            shown.scan,
-            shown.inspection,
+            order.shown.scan,
+            inspection,
             order.basis,
             order.made_at,
             order.check,
@@ -138,19 +140,17 @@ class ReportMaker:
             tell(f"report: {name} …", 80.0 + 4.0 * number)
             files[_ENDINGS[name]] = _MAKERS[name](told[name])
         tell("report: drawings …", 94.0)
-        files |= drawing_bytes(shown.inspection, order.made_at)
-        files |= {".csv": csv_bytes(shown.inspection), ".json": results}
+        files |= drawing_bytes(inspection, order.made_at)
+        files |= {".csv": csv_bytes(inspection), ".json": results}
         compared = order.compared
-        measured = hashes_of(
-            [shown.inspection.scan] if compared is None else [compared.found.before, compared.found.after]
-        )
-        made = with_manifest(stem, files, measured, shown.inspection.params, order.made_at.astimezone(), order.check)
+        measured = hashes_of([inspection.scan] if compared is None else [compared.found.before, compared.found.after])
+        made = with_manifest(stem, files, measured, inspection.params, order.made_at.astimezone(), order.check)
         return zip_bytes(made, order.made_at)
 
     def _drawn(self, kind: str, order: _Order) -> bytes:
-        made = drawing_bytes(order.shown.inspection, order.made_at)
+        made = drawing_bytes(order.inspection, order.made_at)
         if _ENDINGS[kind] not in made:
-            raise ConfigError(f"{kind}: {_why_nothing(order.shown.inspection)}")
+            raise ConfigError(f"{kind}: {_why_nothing(order.inspection)}")
         return made[_ENDINGS[kind]]
 
     def _views_of(self, order: _Order, tell: Tell) -> tuple[RenderedView, ...]:

@@ -48,9 +48,11 @@ def test_a_mark_is_in_the_table_on_the_card_and_among_the_notes_and_goes_with_th
     assert "▲" in part_of(session, "frame").state.content
     # The list of findings and the files say it too.
     assert WORDS in [finding.text for finding in part_of(session, "findings").listed]
-    report = part_of(session, "export").report.maker._order().shown.inspection
+    report = part_of(session, "export").report.maker._order().inspection
     assert NOTE in report.notes
-    assert NOTE in session.desk.result_to_send("export").inspection.notes
+    # Pictures are taken of what is shown, and of nothing else.
+    assert part_of(session, "export").report.maker._order().shown is session.desk.shown
+    assert NOTE in session.desk.inspection_to_send("export").notes
     slide(page, "horizontal.theta_deg", 20.0)
     assert "hangs on the settings" not in part_of(session, "foot").notes.content
     await_that(lambda: len(looked) == 2, "the next result is not looked into")
