@@ -32,7 +32,8 @@ class UnfinishedUploads:
         self._limit_bytes = limit_bytes
         self._lock = threading.Lock()
         self._by_page: dict[int, dict[str, Any]] = {}
-        self._heard_at: dict[str, float] = {}
+        # By page and name: a page chooses the name of an upload, and may take that of another's.
+        self._heard_at: dict[tuple[int, str], float] = {}
 
     def begin(self, page: int, states: dict[str, Any], transfer: str, n_bytes: int) -> None:
         """Take an upload of a page in, of which viser keeps the ``states``.
@@ -45,23 +46,28 @@ class UnfinishedUploads:
         now = time.monotonic()
         with self._lock:
             self._by_page[page] = states
-            others = [(held, each) for held in self._by_page.values() for each in list(held) if each != transfer]
-            self._heard_at = {each: self._heard_at.get(each, now) for _, each in others}
-            for held, each in others:
-                if now - self._heard_at[each] > _STALLED_S:
-                    held.pop(each, None)
-            total = sum(held[each]["total_bytes"] for held, each in others if each in held)
+            others = [
+                (held, (number, each))
+                for number, held in self._by_page.items()
+                for each in list(held)
+                if (number, each) != (page, transfer)
+            ]
+            self._heard_at = {key: self._heard_at.get(key, now) for _, key in others}
+            for held, key in others:
+                if now - self._heard_at[key] > _STALLED_S:
+                    held.pop(key[1], None)
+            total = sum(held[key[1]]["total_bytes"] for held, key in others if key[1] in held)
             if total and total + n_bytes > self._limit_bytes:
                 raise ConfigError(
                     f"upload: other files of {total / 1e6:,.0f} MB are being uploaded, and "
                     f"{self._limit_bytes / 1e6:,.0f} MB may be at a time; try again when they have come"
                 )
-            self._heard_at[transfer] = now
+            self._heard_at[page, transfer] = now
 
-    def heard(self, transfer: str) -> None:
-        """Note that a part of an upload has come."""
+    def heard(self, page: int, transfer: str) -> None:
+        """Note that a part of an upload of a page has come."""
         with self._lock:
-            self._heard_at[transfer] = time.monotonic()
+            self._heard_at[page, transfer] = time.monotonic()
 
     def forget(self, page: int) -> None:
         """Forget the uploads of a page that has gone."""
@@ -116,7 +122,7 @@ def limit_uploads(
         state = gui._current_file_upload_states.get(message.transfer_uuid)
         if state is None:
             return
-        unfinished.heard(message.transfer_uuid)
+        unfinished.heard(client_id, message.transfer_uuid)
         if state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
             gui._current_file_upload_states.pop(message.transfer_uuid, None)
             return

@@ -111,7 +111,9 @@ def test_an_upload_of_which_nothing_comes_makes_room(monkeypatch):
 
     begin("slow")
     now = 50.0
-    unfinished.heard("slow")
+    unfinished.heard(1, "slow")
+    # Of another page of the same name.
+    unfinished.heard(2, "next")
     now = 100.0
     with pytest.raises(ConfigError, match="try again when they have come"):
         begin("next")
@@ -121,3 +123,13 @@ def test_an_upload_of_which_nothing_comes_makes_room(monkeypatch):
     # One that is alone may be as large as any.
     states.clear()
     unfinished.begin(1, states, "large", 1000)
+
+
+def test_uploads_of_two_pages_under_one_name_are_both_counted():
+    unfinished, states = UnfinishedUploads(100), ({}, {})
+    unfinished.begin(1, states[0], "same", 90)
+    states[0]["same"] = {"total_bytes": 90}
+    with pytest.raises(ConfigError, match="try again when they have come"):
+        unfinished.begin(2, states[1], "same", 90)
+    # A page that begins its own anew is not held to what it had.
+    unfinished.begin(1, states[0], "same", 95)

@@ -6,6 +6,7 @@ same site to a browser, hence the checks of Origin and of Sec-Fetch-Site; and a 
 this machine is stopped by the check of Host.
 """
 
+import contextlib
 import hashlib
 import hmac
 import ipaddress
@@ -134,14 +135,16 @@ class Doors:
         token = next((value for name, value in entries if name == "token"), None)
         cookies = _cookies_of(call.headers.get("cookie", ""))
         is_known = any(
-            _is_same(cookies.get(name, ""), value) for name, value in self._cookies(place[1], is_view=is_view)
+            _is_same(given, value)
+            for name, value in self._cookies(place[1], is_view=is_view)
+            for given in cookies.get(name, ())
         )
         if is_known and (call.is_websocket or token is None):
             return let_in
         is_right = token is not None and not call.is_websocket and self._is_token(token, is_view=is_view)
         if not (is_right or is_known):
             return DoorAnswer(_HEADERS, status=403, html=not_let_in_html(page, has_token=token is not None))
-        rest = urlencode([(name, value) for name, value in entries if name != "token"])
+        rest = urlencode([(name, value) for name, value in entries if name != "token"], errors="replace")
         headers = dict(_HEADERS)
         if is_right:
             name, value = self._cookies(place[1], is_view=is_view)[0]
@@ -217,14 +220,17 @@ def is_loopback(host: str) -> bool:
 
 
 def _checked_address(address: str) -> str:
-    """Return a public address without its last slash."""
-    parts = urlsplit(address)
-    scheme = parts.scheme.lower()
-    if scheme not in _USUAL_PORTS or _place(parts.netloc, scheme) is None or parts.path.strip("/") or parts.query:
-        raise ConfigError(
-            f"--public-address: got {address[:80]!r}; give scheme and name alone, as https://stairs.example.org"
-        )
-    return f"{scheme}://{parts.netloc.lower()}"
+    """Return a public address without its last slash, and without the dot that may end a name."""
+    with contextlib.suppress(ValueError):
+        parts = urlsplit(address)
+        scheme = parts.scheme.lower()
+        place = _place(parts.netloc, scheme) if scheme in _USUAL_PORTS else None
+        if place is not None and not (parts.path.strip("/") or parts.query or parts.fragment):
+            name, _, port = parts.netloc.lower().rpartition(":") if parts.port else (parts.netloc.lower(), "", "")
+            return f"{scheme}://{name.rstrip('.')}{f':{port}' if port else ''}"
+    raise ConfigError(
+        f"--public-address: got {address[:80]!r}; give scheme and name alone, as https://stairs.example.org"
+    )
 
 
 def _derived(token: str, use: str) -> str:
@@ -269,10 +275,13 @@ def _is_fetched_by_another_site(headers: Mapping[str, str]) -> bool:
     return headers.get("sec-fetch-site") in ("cross-site", "same-site") and not is_page
 
 
-def _cookies_of(line: str) -> dict[str, str]:
-    """Return the cookies of a header; others of the host may be of any kind."""
-    pairs = (part.strip().partition("=") for part in line.split(";"))
-    return {name: value for name, _, value in pairs}
+def _cookies_of(line: str) -> dict[str, list[str]]:
+    """Return the values of each cookie of a header; another program of the host may have set one of the same name."""
+    found: dict[str, list[str]] = {}
+    for part in line.split(";"):
+        name, _, value = part.strip().partition("=")
+        found.setdefault(name, []).append(value)
+    return found
 
 
 def _page_headers(hosts: set[str]) -> dict[str, str]:

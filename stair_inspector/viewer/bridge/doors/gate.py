@@ -91,7 +91,8 @@ def _call(request: Request) -> DoorCall:
 
 def _response(told: DoorAnswer) -> Response:
     status = http.HTTPStatus(told.status)
-    body = (told.html or "").encode()
+    # What was asked for may hold bytes that are no text.
+    body = (told.html or "").encode("utf-8", "replace")
     headers = Headers(told.headers)
     headers.update(
         {"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(body)), "Connection": "close"}

@@ -205,3 +205,34 @@ def test_what_is_asked_for_is_shown_as_text():
     answer = ask(doors(), host="<img src=x>")
     assert "&lt;img src=x&gt;" in answer.html
     assert "<img" not in answer.html
+
+
+def test_bytes_that_are_no_text_are_refused_or_replaced_as_any_others():
+    of = doors()
+    for headers in ({"host": "\udcff"}, {"origin": "\udcff"}, {"cookie": "\udcff=\udcff"}):
+        assert ask(of, **headers).status == 403
+    assert "Set-Cookie" in ask(of, f"/?token={TOKEN}&a=\udcff").headers
+
+
+def test_a_cookie_of_our_name_that_another_program_has_set_shuts_nobody_out():
+    of = doors()
+    kept = cookie(of, of.address(8080))
+    name = kept.partition("=")[0]
+    for line in (f"{kept}; {name}=x", f"{name}=x; {kept}"):
+        assert ask(of, cookie=line).html is None
+    assert ask(of, cookie=f"{name}=x; {name}=y").status == 403
+
+
+@pytest.mark.parametrize(
+    "address",
+    ["https://[::1", "https://a.b#frag", "https://a.b/path", "https://a.b?x=1", "ftp://a.b", "a.b", "https://"],
+)
+def test_a_public_address_that_is_none_is_a_sentence(address):
+    with pytest.raises(ConfigError, match=r"--public-address: got .*; give scheme and name alone"):
+        doors(public_address=address)
+
+
+def test_the_dot_at_the_end_of_a_public_name_is_none_of_it():
+    of = doors(public_address="https://stairs.example.org.:8443/")
+    assert of.address(8080) == f"https://stairs.example.org:8443/?token={TOKEN}"
+    assert ask(of, f"/?token={TOKEN}", host="stairs.example.org.:8443").status == 200

@@ -58,11 +58,13 @@ def test_a_page_without_its_cookie_gets_neither_the_page_nor_a_connection(app):
     connect_page(app.address).close()
 
 
-@pytest.mark.parametrize("names", [["evil.example"], ["127.0.0.1", "127.0.0.1"], ["127.0.0.1", "evil.example"], []])
+@pytest.mark.parametrize(
+    "names", [["evil.example"], ["127.0.0.1", "127.0.0.1"], ["127.0.0.1", "evil.example"], [], ["\xff.example"]]
+)
 def test_another_name_no_name_and_two_are_refused(app, names):
     lines = ["GET / HTTP/1.1", *(f"Host: {name}" for name in names), f"Cookie: {cookie_of(app.address)}", "", ""]
     with socket.create_connection(("127.0.0.1", app.port), timeout=10) as connection:
-        connection.sendall("\r\n".join(lines).encode())
+        connection.sendall("\r\n".join(lines).encode("latin-1"))
         assert connection.recv(20).startswith(b"HTTP/1.1 403 ")
 
 
