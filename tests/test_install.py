@@ -104,5 +104,6 @@ def test_a_wheel_finds_its_presets_schemas_palettes_and_samples(tmp_path: Path) 
     assert sorted(path.name for path in (elsewhere / "out").iterdir()) == [
         "straight.csv",
         "straight.json",
+        "straight.manifest.json",
         "straight_debug.ply",
     ]
