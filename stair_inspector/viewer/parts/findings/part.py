@@ -5,7 +5,7 @@ import viser
 
 from stair_inspector.content.finding_list import ListedFinding, list_findings
 from stair_inspector.errors import ConfigError, one_of
-from stair_inspector.viewer.bridge.markup import read_order
+from stair_inspector.viewer.bridge.markup import RowOrder, list_key, read_order
 from stair_inspector.viewer.bridge.shortcuts import Command
 from stair_inspector.viewer.parts.findings.form import FindingForm
 from stair_inspector.viewer.parts.findings.list_html import FINDING_ORDERS, findings_html, keys_of
@@ -15,6 +15,8 @@ from stair_inspector.viewer.scene.framing import near_pose
 from stair_inspector.viewer.state.change import PageChange
 
 _FILTERS = ("Open", "All")
+_MOST_LISTS = 4
+"""So many lists back a row is still known."""
 
 
 class FindingsPart(PagePart):
@@ -41,6 +43,7 @@ class FindingsPart(PagePart):
         self._filter = _FILTERS[0]
         self._key = ""
         self.listed: tuple[ListedFinding, ...] = ()
+        self._before: tuple[tuple[str, ...], ...] = ()
         widgets = context.widgets
         self._choice = widgets.choice(
             "List", _FILTERS, self._filter, self.set_filter, hint="Those that are open, or also those that are done."
@@ -57,7 +60,9 @@ class FindingsPart(PagePart):
         """List what is found now, and draw its marks."""
         if what != {PageChange.SELECTION}:
             findings = self._editor.work.findings
-            self.listed = list_findings(self._desk.marked, self._judge.check, findings)
+            before, self.listed = self.listed, list_findings(self._desk.marked, self._judge.check, findings)
+            if keys_of(before) != keys_of(self.listed):
+                self._before = (keys_of(before), *self._before[: _MOST_LISTS - 1])
             if self.chosen() is None:
                 self._key = ""
             self._draw()
@@ -119,7 +124,7 @@ class FindingsPart(PagePart):
         """Do what a row or one of its buttons asks for."""
         order = read_order(message, FINDING_ORDERS)
         with self._desk.lock:
-            entry = self.listed[order.index_in(keys_of(self.listed), "findings")]
+            entry = self._entry_of(order)
             if order.word == "show":
                 self._look_at(entry)
             elif order.word == "done":
@@ -128,6 +133,18 @@ class FindingsPart(PagePart):
                 self._editor.edit(
                     f"deleted finding {entry.number}", lambda work: {"findings": work.findings.without(entry.key)}
                 )
+
+    def _entry_of(self, order: RowOrder) -> ListedFinding:
+        """Return the finding of a row, also of a list that has just been replaced, as long as it is still found.
+
+        What hangs on the settings is found a moment after a result, while a row may be on its way.
+        """
+        for keys in self._before:
+            if order.key == list_key(keys) and 1 <= order.number <= len(keys):
+                same = [entry for entry in self.listed if entry.key == keys[order.number - 1]]
+                if same:
+                    return same[0]
+        return self.listed[order.index_in(keys_of(self.listed), "findings")]
 
     def _look_at(self, entry: ListedFinding) -> None:
         self._choose(entry.key)

@@ -12,9 +12,11 @@ from stair_inspector.content.finding_list import list_findings
 from stair_inspector.content.pins import FindingDecision, PinnedFindings
 from stair_inspector.errors import ConfigError
 from stair_inspector.files.chosen_rules import ChosenRules
+from stair_inspector.model import Note
 from stair_inspector.viewer.bridge.markup import list_key
 from stair_inspector.viewer.parts.findings.list_html import findings_html, keys_of
 from stair_inspector.viewer.parts.findings.marks import marks_in_scene
+from stair_inspector.viewer.state.change import PageChange
 from tests.content.staircases import staircase
 from tests.content.test_pins import GUID, PIN, guid
 from tests.viewer.parts.test_html import Page
@@ -187,6 +189,22 @@ def test_an_order_of_another_list_is_a_sentence(session, tab, message):
     with pytest.raises(ConfigError):
         tab.obey(message)
     assert len(session.editor.work.findings.pins) == 1
+
+
+def test_a_row_pressed_while_the_list_grows_is_the_same_finding(session, tab):
+    set_pin(session)
+    pressed = order(tab, "delete", 1)
+    with session.desk.lock:
+        session.desk.unsettled = (Note("unsettled", "stability", "the going of step 2 hangs on the settings", 2),)
+        session.desk.changed(PageChange.SETTLED)
+    assert pressed != order(tab, "delete", 1)
+    tab.obey(pressed)
+    assert session.editor.work.findings.pins == ()
+    # The row has gone with its first press, and the next one is not taken for it.
+    before = keys_of(tab.listed)
+    with pytest.raises(ConfigError, match="the list has changed since"):
+        tab.obey(pressed)
+    assert keys_of(tab.listed) == before
 
 
 def test_marks_stand_at_pins_and_at_steps_and_can_be_hidden(session, tab):
