@@ -4,13 +4,14 @@ import contextlib
 import dataclasses
 import http
 import threading
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from typing import Literal, overload
 
-import websockets.asyncio.server
-from websockets.asyncio.server import ServerConnection
+from websockets.asyncio import server
+from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
-from websockets.typing import Data
+from websockets.typing import Data, Subprotocol
 
 from stair_inspector.viewer.bridge.doors.doors import DoorAnswer, DoorCall, Doors
 from stair_inspector.viewer.bridge.doors.messages import is_accepted
@@ -25,7 +26,16 @@ class GuardedConnection(ServerConnection):
 
     is_view_only = True
 
-    async def recv(self, decode: bool | None = None) -> Data:  # type: ignore[override]
+    @overload
+    async def recv(self, decode: Literal[True]) -> str: ...
+
+    @overload
+    async def recv(self, decode: Literal[False]) -> bytes: ...
+
+    @overload
+    async def recv(self, decode: bool | None = None) -> Data: ...
+
+    async def recv(self, decode: bool | None = None) -> Data:
         """Return the next message that is one; what is none is passed over, as is what follows it."""
         while True:
             message = await super().recv(decode)
@@ -40,23 +50,41 @@ def guarded(doors: Doors) -> Iterator[None]:
     viser hands its own answer to requests to ``websockets`` and offers no place for another before it; were the doors
     put in afterwards, a page could slip in before.
     """
-    serve: type[websockets.asyncio.server.serve] = websockets.asyncio.server.serve
 
-    def serve_guarded(*args: object, process_request: Answering, **options: object) -> websockets.asyncio.server.serve:
-        return serve(
-            *args,  # type: ignore[arg-type]
-            process_request=doors_first(doors, process_request),
-            create_connection=GuardedConnection,
-            server_header=None,
-            **options,  # type: ignore[arg-type]
-        )
+    class GuardedServe(serve):
+        """Takes what viser gives, and nothing else: another version's new option would be an error, not a gap."""
+
+        def __init__(
+            self,
+            handler: Callable[[ServerConnection], Awaitable[None]],
+            host: str,
+            port: int,
+            *,
+            max_size: int,
+            compression: str | None,
+            process_request: Answering,
+            subprotocols: Sequence[Subprotocol] | None,
+            select_subprotocol: Callable[[ServerConnection, Sequence[Subprotocol]], Subprotocol | None],
+        ) -> None:
+            super().__init__(
+                handler,
+                host,
+                port,
+                max_size=max_size,
+                compression=compression,
+                process_request=doors_first(doors, process_request),
+                subprotocols=subprotocols,
+                select_subprotocol=select_subprotocol,
+                server_header=None,
+                create_connection=GuardedConnection,
+            )
 
     with _STARTING:
-        websockets.asyncio.server.serve = serve_guarded  # type: ignore[assignment, misc]
+        setattr(server, serve.__name__, GuardedServe)
         try:
             yield
         finally:
-            websockets.asyncio.server.serve = serve  # type: ignore[misc]
+            setattr(server, serve.__name__, serve)
 
 
 def doors_first(doors: Doors, answering: Answering) -> Answering:

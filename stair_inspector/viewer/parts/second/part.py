@@ -248,18 +248,16 @@ class SecondScanPart(PagePart):
 
     def _start(self, work: Callable[[SideJob], None]) -> None:
         def told(job: SideJob) -> None:
-            words = ""
+            words = "an internal error stopped this; the server's log has the details"
             try:
                 work(job)
+                words = ""
             except Cancelled:
                 # What another result or the end of the comparison has stopped needs no words.
                 words = _CANCELLED if self._is_cancelled else ""
             except StairError as error:
                 words = str(error)
                 self._is_changed_file = isinstance(error, ChangedScanError)
-            except Exception:
-                words = "an internal error stopped this; the server's log has the details"
-                raise
             finally:
                 self._end(job, words)
 
