@@ -221,14 +221,15 @@ def _read_list(path: Path) -> list[tuple[str, str]]:
             return []
         temporary, name = entry
         # Nothing but names within the folder, and nothing but temporary files is named.
-        if not temporary.startswith(_TEMPORARY) or any(_is_no_name(each) for each in entry):
+        if not temporary.startswith(_TEMPORARY) or not all(is_plain_name(each) for each in entry):
             return []
         names.append((temporary, name))
     return names
 
 
-def _is_no_name(name: str) -> bool:
-    return name in ("", ".", "..") or name != os.path.basename(name) or "\\" in name or "\0" in name
+def is_plain_name(name: str) -> bool:
+    """Return whether a name from a file is that of something beside it: no path, and no folder above."""
+    return name not in ("", ".", "..") and name == os.path.basename(name) and "\\" not in name and "\0" not in name
 
 
 def _name(temporary: Path, path: Path) -> None:

@@ -1,5 +1,6 @@
 """The manifest of a record: which files belong together, by their SHA-256, and what they were made of."""
 
+import contextlib
 import hashlib
 import json
 import os
@@ -11,7 +12,7 @@ from typing import Any
 
 from stair_inspector import __version__
 from stair_inspector.errors import ReadError
-from stair_inspector.files.atomic import finish_writing
+from stair_inspector.files.atomic import finish_writing, is_plain_name
 from stair_inspector.files.raw_cloud import excerpt
 from stair_inspector.files.settings import params_to_dict
 from stair_inspector.params import Params
@@ -163,7 +164,7 @@ def read_manifest(path: Path) -> Manifest:
 
 
 def verify(path: Path) -> Verified:
-    """Hold the files beside a manifest against it.
+    """Hold the files beside a manifest against it; what another manifest beside it names is no stray of this one.
 
     Raises
     ------
@@ -180,8 +181,22 @@ def verify(path: Path) -> Verified:
         elif found != wanted:
             changed.append(name)
     beside = (f"{manifest.stem}{suffix}" for suffix in RECORD_SUFFIXES)
-    strays = (name for name in beside if name not in manifest.files and (path.parent / name).exists())
+    strays = [name for name in beside if name not in manifest.files and (path.parent / name).exists()]
+    if strays:
+        # As the results of a scan called stair_comparison beside those of one called stair.
+        others = _named_by_others(path)
+        strays = [name for name in strays if name not in others]
     return Verified(manifest, tuple(changed), tuple(missing), tuple(strays))
+
+
+def _named_by_others(path: Path) -> set[str]:
+    """Return what the other manifests beside one name, as far as they can be read."""
+    named: set[str] = set()
+    for other in path.parent.glob(f"*{SUFFIX}"):
+        if other != path:
+            with contextlib.suppress(ReadError):
+                named |= read_manifest(other).files.keys()
+    return named
 
 
 def hash_file(path: Path) -> str | None:
@@ -244,7 +259,7 @@ def _name(found: object) -> str:
     name = found.get("name") if isinstance(found, dict) else None
     if not isinstance(name, str):
         raise TypeError("the name of a file is no text")
-    if name != Path(name).name or name in ("", ".", "..") or "\0" in name:
+    if not is_plain_name(name):
         raise ValueError("it names a file of another folder")
     return name
 

@@ -51,6 +51,14 @@ def test_what_was_changed_or_lost_or_is_of_another_run_is_told(folder):
     assert not found.belongs_together
 
 
+def test_what_another_run_names_is_no_stray(folder):
+    scan, inspection = scanned()
+    write_record(scan, inspection, folder, "stair_comparison", MADE_AT)
+    assert verify(folder / MANIFEST).belongs_together
+    (folder / "stair_comparison.manifest.json").unlink()
+    assert verify(folder / MANIFEST).strays == ("stair_comparison.json", "stair_comparison.csv")
+
+
 def test_nothing_is_written_when_a_result_cannot_be_made(tmp_path, monkeypatch):
     def fail(*_):
         raise MemoryError
